@@ -11,8 +11,10 @@ pub const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     bodies: Vec<BodyState>,
-    /// Generalized forces of the last call.
+    /// Generalized forces of the last call, an entry a joint.
     forces: Vec<f64>,
+    /// The force along each body's own joint in the last call; it differs from `forces` where joints mimic others.
+    efforts: Vec<f64>,
 }
 
 /// Everything of one body in its own frame.
@@ -45,6 +47,7 @@ impl Dynamics {
         Self {
             bodies: vec![still; robot.bodies().len()],
             forces: vec![0.0; robot.joints().len()],
+            efforts: vec![0.0; robot.bodies().len()],
         }
     }
 
@@ -116,6 +119,7 @@ impl Dynamics {
                 JointKind::Revolute => joint.axis.dot(&state.moment),
                 JointKind::Prismatic => joint.axis.dot(&state.force),
             };
+            self.efforts[i] = effort;
             self.forces[joint.index] += joint.multiplier * effort;
             let force = state.rotation * state.force;
             let moment = state.rotation * state.moment + state.pose.translation.vector.cross(&force);
@@ -124,6 +128,11 @@ impl Dynamics {
             parent.moment += moment;
         }
         &self.forces
+    }
+
+    /// What [`inverse`](Self::inverse) found for the joint of each body \[N m, N\], mimicking joints apart from those they mimic.
+    pub fn body_efforts(&self) -> &[f64] {
+        &self.efforts
     }
 
     /// The diagonal of the mass matrix \[kg m^2, kg\]: the force that gives one joint unit acceleration while all else rests.

@@ -145,6 +145,11 @@ impl Robot {
         &self.links
     }
 
+    /// Whether a joint is commanded itself, and does not mimic another.
+    pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
+        self.joints.name(joint.index) == joint.name
+    }
+
     /// What was left out, normalised or read as not given.
     pub fn notes(&self) -> &[String] {
         &self.notes

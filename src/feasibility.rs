@@ -1,0 +1,87 @@
+//! What stands between a wave and its execution: limits of the joints, and self-collision.
+
+use crate::collision::{CollisionModel, MotionClearance};
+use crate::error::Result;
+use crate::fourier::{Derivative, Interval, Wave};
+use crate::robot::Robot;
+
+/// The range that a wave takes of a joint's position or velocity, beside the limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitUse {
+    /// The joint.
+    pub joint: String,
+    /// [`Derivative::Position`] or [`Derivative::Velocity`].
+    pub quantity: Derivative,
+    /// An enclosure of what the wave does over its period, from exact bounds of its series (see [`Wave::range`]) \[rad, rad/s\].
+    pub range: Interval,
+    /// What the robot allows.
+    pub limit: Interval,
+}
+
+impl LimitUse {
+    /// How far the range leaves the limit \[rad, rad/s\]; 0 when it does not.
+    pub fn excess(&self) -> f64 {
+        (self.limit.lower - self.range.lower).max(self.range.upper - self.limit.upper).max(0.0)
+    }
+}
+
+/// Every position and velocity limit that `robot` gives, beside what `wave` does.
+///
+/// # Errors
+/// When the wave is not of the robot's joints.
+pub fn limits(robot: &Robot, wave: &Wave) -> Result<Vec<LimitUse>> {
+    robot.require_joints(wave.joints())?;
+    let mut uses = Vec::new();
+    for (j, joint) in robot.joints().iter().enumerate() {
+        let properties = robot.properties(j);
+        let speed = properties.velocity.map(|v| Interval { lower: -v, upper: v });
+        for (quantity, limit) in [
+            (Derivative::Position, properties.position),
+            (Derivative::Velocity, speed),
+        ] {
+            if let Some(limit) = limit {
+                uses.push(LimitUse {
+                    joint: joint.clone(),
+                    quantity,
+                    range: wave.range(j, quantity),
+                    limit,
+                });
+            }
+        }
+    }
+    Ok(uses)
+}
+
+/// What is known of a wave on a robot before it is executed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Every limit and its use.
+    pub limits: Vec<LimitUse>,
+    /// Clearance along one period; not looked at when a limit is broken.
+    pub collision: Option<MotionClearance>,
+}
+
+impl Verdict {
+    /// Puts one period of `wave` through limits and, if they hold, self-collision on a grid of `step` \[m\].
+    ///
+    /// # Errors
+    /// Those of [`limits`] and [`CollisionModel::check_motion`].
+    pub fn of(robot: &Robot, collision: &CollisionModel, wave: &Wave, step: f64) -> Result<Self> {
+        let limits = limits(robot, wave)?;
+        let within = limits.iter().all(|l| l.excess() == 0.0);
+        let collision =
+            if within { Some(collision.check_motion(robot, wave, step)?) } else { None };
+        Ok(Self { limits, collision })
+    }
+
+    /// The limits that are broken.
+    pub fn broken(&self) -> impl Iterator<Item = &LimitUse> {
+        self.limits.iter().filter(|l| l.excess() > 0.0)
+    }
+
+    /// Whether no limit is broken and no sample touches.
+    pub fn passes(&self) -> bool {
+        self.broken().next().is_none()
+            && self.collision.as_ref().is_some_and(MotionClearance::is_free)
+    }
+}

@@ -1,0 +1,220 @@
+//! The robot as a Rapier multibody.
+
+use nalgebra::Isometry3;
+use rapier3d::dynamics::{
+    GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel,
+    Multibody, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle,
+};
+use rapier3d::math::{Matrix, Pose, Rotation, Vector};
+use rapier3d::pipeline::PhysicsWorld;
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::robot::{Body, BodyJoint, GRAVITY, JointKind, Robot};
+
+/// Iterations of the constraint solver within a step; with fewer, motors near their limits are not resolved,
+/// and more than one outer step leaves a jitter of 1e-3 rad/s.
+const SOLVER_ITERATIONS: usize = 12;
+
+/// A robot on its fixed base in a Rapier world with gravity: one multibody, one link a body, without colliders
+/// (whether a motion touches is the business of the collision model).
+pub struct MultibodyWorld {
+    world: PhysicsWorld,
+    bodies: Vec<RigidBodyHandle>,
+    /// By body, the base left out.
+    joints: Vec<MultibodyJointHandle>,
+    axes: Vec<JointAxis>,
+}
+
+impl MultibodyWorld {
+    /// `robot` at configuration `q` with the rates `v`, integrated in steps of `time_step` \[s\].
+    ///
+    /// # Errors
+    /// When the robot lacks masses, or Rapier will not have its joints.
+    pub fn new(robot: &Robot, q: &[f64], v: &[f64], time_step: f64) -> Result<Self> {
+        robot.require_dynamics()?;
+        let mut world = PhysicsWorld {
+            gravity: Vector::new(GRAVITY.x, GRAVITY.y, GRAVITY.z),
+            ..PhysicsWorld::default()
+        };
+        let parameters = &mut world.integration_parameters;
+        parameters.dt = time_step;
+        parameters.num_solver_iterations = 1;
+        parameters.num_internal_pgs_iterations = SOLVER_ITERATIONS;
+        parameters.num_internal_stabilization_iterations = 0;
+        parameters.max_ccd_substeps = 0;
+
+        let bodies: Vec<RigidBodyHandle> = robot
+            .bodies()
+            .iter()
+            .map(|body| world.bodies.insert(rigid_body(body)))
+            .collect();
+        let mut joints = Vec::new();
+        let mut axes = Vec::new();
+        for (i, body) in robot.bodies().iter().enumerate().skip(1) {
+            let Some(joint) = &body.joint else { continue };
+            let limits = robot
+                .is_commanded(joint)
+                .then(|| robot.properties(joint.index).position)
+                .flatten();
+            let (axis, data) = generic_joint(joint, limits.map(|l| [l.lower, l.upper]));
+            let handle = world
+                .multibody_joints
+                .insert(bodies[body.parent], bodies[i], data, true)
+                .ok_or_else(|| {
+                    Error::new(ErrorKind::Infeasible, "the multibody cannot take the joint")
+                        .at(format!("joint `{}`", joint.name))
+                })?;
+            joints.push(handle);
+            axes.push(axis);
+        }
+        // Masses are known to Rapier only after this; without it the first step is taken without any.
+        for handle in &bodies {
+            world.bodies[*handle].recompute_mass_properties_from_colliders(&world.colliders);
+        }
+        let mut this = Self {
+            world,
+            bodies,
+            joints,
+            axes,
+        };
+        this.place(robot, q, v);
+        Ok(this)
+    }
+
+    fn place(&mut self, robot: &Robot, q: &[f64], v: &[f64]) {
+        let moving: Vec<&BodyJoint> =
+            robot.bodies().iter().filter_map(|b| b.joint.as_ref()).collect();
+        let Some(first) = self.joints.first().copied() else { return };
+        let world = &mut self.world;
+        let Some((multibody, _)) = world.multibody_joints.get_mut(first) else { return };
+        multibody.set_self_contacts_enabled(false);
+        // The base is fixed: this call removes its six degrees of freedom, and only then do indices hold.
+        multibody.forward_kinematics(&world.bodies, true);
+        let at: Vec<usize> = (0..moving.len()).map(|j| index(multibody, j)).collect();
+        let mut displacement = vec![0.0; multibody.ndofs()];
+        for (j, joint) in moving.iter().enumerate() {
+            displacement[at[j]] = joint.position(q);
+            multibody.generalized_velocity_mut()[at[j]] = joint.multiplier * v[joint.index];
+            // Rapier starts with a damping of its own.
+            let properties = robot.properties(joint.index);
+            multibody.damping_mut()[at[j]] = properties.damping;
+            multibody.frictions_mut()[at[j]] = properties.friction;
+            multibody.armature_mut()[at[j]] = 0.0;
+        }
+        multibody.apply_displacements(&displacement);
+        multibody.forward_kinematics(&world.bodies, false);
+        multibody.update_rigid_bodies(&mut world.bodies, true);
+    }
+
+    /// Sets the motor of the joint of body `body` (1 or more): a spring of stiffness `kp` to `position`, a damper `kd` to
+    /// `velocity`, together at most `effort`.
+    pub(super) fn set_motor(&mut self, body: usize, position: f64, velocity: f64, motor: Motor) {
+        let axis = self.axes[body - 1];
+        let joint = self.joints[body - 1];
+        if let Some((multibody, link)) = self.world.multibody_joints.get_mut(joint)
+            && let Some(link) = multibody.link_mut(link)
+        {
+            link.joint
+                .data
+                .set_motor(axis, position, velocity, motor.stiffness, motor.damping)
+                .set_motor_model(axis, MotorModel::ForceBased)
+                .set_motor_max_force(axis, motor.effort);
+        }
+    }
+
+    /// One time step.
+    pub fn step(&mut self) {
+        self.world.step();
+    }
+
+    /// Position and rate of the joint of body `body` (1 or more).
+    pub fn joint_state(&self, body: usize) -> (f64, f64) {
+        let Some((multibody, id)) = self.world.multibody_joints.get(self.joints[body - 1]) else {
+            return (f64::NAN, f64::NAN);
+        };
+        let Some(link) = multibody.link(id) else { return (f64::NAN, f64::NAN) };
+        let coordinate = match self.axes[body - 1] {
+            JointAxis::LinX => 0,
+            _ => 3,
+        };
+        (
+            link.joint().coords()[coordinate],
+            multibody.generalized_velocity()[link.assembly_id()],
+        )
+    }
+
+    /// The pose of each body in the base frame, as Rapier has it.
+    pub fn body_poses(&self) -> Vec<Isometry3<f64>> {
+        self.bodies
+            .iter()
+            .map(|handle| {
+                let pose = self.world.bodies[*handle].position();
+                let (t, r) = (pose.translation, pose.rotation);
+                Isometry3::from_parts(
+                    nalgebra::Translation3::new(t.x, t.y, t.z),
+                    nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(
+                        r.w, r.x, r.y, r.z,
+                    )),
+                )
+            })
+            .collect()
+    }
+}
+
+/// Gains and limit of a motor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motor {
+    /// \[N m/rad\]
+    pub stiffness: f64,
+    /// \[N m s/rad\]
+    pub damping: f64,
+    /// \[N m\]
+    pub effort: f64,
+}
+
+/// Where the joint number `joint` stands in the multibody's vectors: links are in the order of insertion, after the root.
+fn index(multibody: &Multibody, joint: usize) -> usize {
+    multibody.link(joint + 1).map_or(joint, |link| link.assembly_id())
+}
+
+fn rigid_body(body: &Body) -> RigidBodyBuilder {
+    let Some(inertial) = body.inertial.as_ref().filter(|_| body.joint.is_some()) else {
+        return RigidBodyBuilder::fixed();
+    };
+    let c = &inertial.center;
+    let i = &inertial.inertia;
+    let column = |j: usize| Vector::new(i[(0, j)], i[(1, j)], i[(2, j)]);
+    RigidBodyBuilder::dynamic()
+        .additional_mass_properties(MassProperties::with_inertia_matrix(
+            Vector::new(c.x, c.y, c.z),
+            inertial.mass,
+            Matrix::from_cols(column(0), column(1), column(2)),
+        ))
+        .can_sleep(false)
+}
+
+/// Rapier's joints turn about, or slide along, the x axis of a frame: b takes x to the joint's axis.
+fn generic_joint(joint: &BodyJoint, limits: Option<[f64; 2]>) -> (JointAxis, GenericJoint) {
+    let a = joint.axis.into_inner();
+    let b = Pose::from_parts(
+        Vector::new(0.0, 0.0, 0.0),
+        GenericJoint::complete_ang_frame(Vector::new(a.x, a.y, a.z)),
+    );
+    let (t, r) = (&joint.origin.translation.vector, &joint.origin.rotation.coords);
+    let origin = Pose::from_parts(
+        Vector::new(t.x, t.y, t.z),
+        Rotation::from_xyzw(r.x, r.y, r.z, r.w),
+    );
+    let (axis, locked) = match joint.kind {
+        JointKind::Revolute => (JointAxis::AngX, JointAxesMask::LOCKED_REVOLUTE_AXES),
+        JointKind::Prismatic => (JointAxis::LinX, JointAxesMask::LOCKED_PRISMATIC_AXES),
+    };
+    let mut builder = GenericJointBuilder::new(locked)
+        .contacts_enabled(false)
+        .local_frame1(origin * b)
+        .local_frame2(b);
+    if let Some(limits) = limits {
+        builder = builder.limits(axis, limits);
+    }
+    (axis, builder.build())
+}

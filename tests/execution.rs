@@ -1,0 +1,47 @@
+//! Sampled waves on the shipped arm: limits, self-collision, tracking.
+
+use rand::distr::Distribution;
+use undulate::{
+    CollisionModel, FourierMovementPrimitive, Observation, TrackOptions, Verdict, Wave, shipped,
+    stream, synthetic, track,
+};
+
+/// No link moves farther between two samples of a collision check \[m\].
+const STEP: f64 = 0.005;
+
+/// The first draw of a seed that passes, and how many were drawn.
+fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let collision = CollisionModel::new(&robot, &[]).unwrap();
+    let map = shipped::map("wave_arm_demonstrator").unwrap();
+    for draw in 0..1000 {
+        let wave = map.apply(&primitive.sample(&mut stream(seed, draw)), &robot).unwrap();
+        let verdict = Verdict::of(&robot, &collision, &wave, STEP).unwrap();
+        if verdict.passes() {
+            return (wave, draw + 1);
+        }
+    }
+    panic!("no draw of seed {seed} passes");
+}
+
+#[test]
+fn twenty_seeds_a_condition_are_tracked_without_touching() {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 25).unwrap();
+    let mut drawn = 0;
+    for condition in [
+        Observation::modulus("elbow_flexion", 10, 5f64.to_radians()),
+        Observation::modulus("wrist_deviation", 20, 4f64.to_radians()),
+    ] {
+        let conditioned = primitive.condition(&[condition]).unwrap();
+        for seed in 0..20 {
+            let (wave, draws) = redrawn(&conditioned, seed);
+            drawn += draws;
+            let rollout = track(&robot, &wave, &TrackOptions::default()).unwrap();
+            println!("seed {seed} rms {:.1e} peak {:.1e} draws {draws} torque {:.1}", rollout.rms_error().max(), rollout.peak_error().max(), rollout.peak_torque().max());
+            assert!(rollout.rms_error().max() < 1e-3, "seed {seed}: {}", rollout.rms_error());
+            assert_eq!(rollout.saturated, [0; 6], "seed {seed}");
+        }
+    }
+    println!("{drawn} draws for 40 waves");
+}
