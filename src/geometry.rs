@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 
 /// A primitive shape about its own centre. Lengths in metres, each positive and finite.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
 pub enum Shape {
     /// Half the edge lengths along x, y, z.

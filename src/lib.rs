@@ -1,29 +1,159 @@
-//! Wave gestures for robots.
-mod document;
-pub mod error;
-pub mod units;
-pub mod demonstration;
-pub mod fourier;
-pub mod geometry;
-pub mod primitive;
-#[cfg(feature="robot")]
-pub mod robot;
-#[cfg(feature="robot")]
-pub mod retarget;
-#[cfg(feature="robot")]
-pub mod collision;
-#[cfg(feature="robot")]
-pub mod feasibility;
-#[cfg(feature="simulation")]
-pub mod simulation;
+//! Wave gestures for robots, learned from people.
+//!
+//! `undulate` learns rhythmic gestures from demonstrations as Fourier movement primitives (Panteris, Manschitz and
+//! Calinon, "Learning, Generating and Adapting Wave Gestures for Expressive Human-Robot Interaction", HRI 2020
+//! Companion, doi 10.1145/3371382.3378286), draws waves that vary as a person's do, conditions them on amplitude, phase
+//! and posture, puts them on a robot described by URDF, checks limits and self-collision, and executes them as a
+//! multibody in Rapier. Pure Rust.
+//!
+//! # From recordings to a robot
+//!
+//! Everything meets at the [`Wave`]: the learning half ends in one, the robot half starts from one.
+//!
+//! ```text
+//! recordings --> Demonstrations --> FourierBasis --> LogPolar --> Gaussian --> FourierMovementPrimitive
+//!                                                                               | condition (again a primitive)
+//!                                                                               v sample
+//!                                       Wave: a periodic motion of named joints, a finite Fourier series
+//!                                                                               | JointMap
+//!      URDF --> Robot (valid, or it does not exist) -----------+----------------+--+-----------------+
+//!                                                        CollisionModel         track           figures
+//!                                                           (parry)            (Rapier)
+//! ```
+//!
+//! ```
+//! use rand::distr::Distribution;
+//! use undulate::*;
+//!
+//! # #[cfg(feature = "simulation")] {
+//! // Learn, and ask for a large, slow wave from the elbow.
+//! let primitive = FourierMovementPrimitive::learn(&synthetic(0)?, 25)?;
+//! let large = primitive.condition(&[Observation::modulus("elbow_flexion", 10, 5f64.to_radians())])?;
+//!
+//! // Put draws on a robot until one keeps its limits and its distance.
+//! let robot = shipped::robot("wave_arm")?;
+//! let map = shipped::map("wave_arm_demonstrator")?;
+//! let collision = CollisionModel::new(&robot, &[])?;
+//! let mut draws = (0..).map(|k| map.apply(&large.sample(&mut stream(7, k)), &robot));
+//! let wave = loop {
+//!     let wave = draws.next().unwrap()?;
+//!     if Verdict::of(&robot, &collision, &wave, 0.005)?.passes() {
+//!         break wave;
+//!     }
+//! };
+//!
+//! // Execute it.
+//! let rollout = track(&robot, &wave, &TrackOptions::default())?;
+//! assert!(rollout.rms_error().max() < 1e-3); // rad
+//! # }
+//! # Ok::<(), undulate::Error>(())
+//! ```
+//!
+//! # Notation
+//!
+//! D joints, period T \[s\], w = 2 pi / T \[rad/s\], harmonics k = 1..K, M demonstrations.
+//!
+//! | symbol | meaning | where |
+//! |---|---|---|
+//! | y_d(t) = w_{d,0} + 2 Re sum w_{d,k} exp(i k w t) | position of joint d \[rad\] | [`Wave`] |
+//! | w_{d,0} | offset: the posture it waves about | [`Coordinate::Offset`] |
+//! | \|w_{d,k}\| | modulus: HALF the amplitude of harmonic k | [`Coordinate::Modulus`] |
+//! | Arg w_{d,k} | phase | [`Coordinate::Phase`] |
+//! | x | all log moduli, phases and offsets, 2DK + D numbers | [`LogPolar`] |
+//! | mu, Sigma = F F^T | the Gaussian over x | [`Gaussian`] |
+//!
+//! Angles are radians, lengths metres, times seconds, everywhere; text with units (`5deg`) is for people.
+//!
+//! # What holds
+//!
+//! * A value that exists is valid: constructors return [`Result`], operations return new values.
+//! * No input makes the crate panic; every [`Error`] says what, where, what was expected and what to do.
+//! * A model file and a seed give the same waves, bit for bit, on every machine.
+//! * The learning half knows no robot, the robot half no primitive; modules use only modules below them (a test holds that).
+//!
+//! # What a check assumes
+//!
+//! That the collision shapes of the URDF enclose the robot, that the arm is where it is commanded to be, and that nothing
+//! else is in reach. Self-collision is looked at on samples of a motion; between them, see
+//! [`CollisionModel::check_motion`]. This is no safety function in the sense of any standard.
+//!
+//! # Features
+//!
+//! | feature | brings | default |
+//! |---|---|---|
+//! | `robot` | URDF, kinematics, dynamics, joint maps, self-collision (parry, urdf-rs) | with `cli` |
+//! | `simulation` | execution in Rapier | with `cli` |
+//! | `figure` | plots, and with `robot` pictures of robots | with `cli` |
+//! | `testing` | strategies and statistical assertions for `cargo test` (proptest) | no |
+//! | `cli` | the `undulate` program | yes |
 
-pub use demonstration::*;
-pub use error::{Error, ErrorKind, Result};
-pub use fourier::*;
-pub use primitive::*;
-pub use robot::*;
-pub use retarget::*;
-pub use collision::*;
-pub use feasibility::*;pub use simulation::*;
-#[cfg(feature="robot")]
+#[cfg(feature = "cli")]
+pub mod cli;
+#[cfg(feature = "robot")]
+mod collision;
+mod demonstration;
+mod document;
+mod error;
+#[cfg(feature = "robot")]
+mod feasibility;
+#[cfg(feature = "figure")]
+pub mod figure;
+mod fourier;
+#[cfg(feature = "robot")]
+mod geometry;
+mod primitive;
+#[cfg(feature = "robot")]
+mod retarget;
+#[cfg(feature = "robot")]
+mod robot;
+#[cfg(feature = "robot")]
 pub mod shipped;
+#[cfg(feature = "simulation")]
+mod simulation;
+#[cfg(feature = "testing")]
+pub mod testing;
+mod units;
+
+#[cfg(feature = "robot")]
+pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};
+pub use demonstration::{
+    CsvOptions, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations, Duration, Leakage,
+    LeftOut, Recording, synthetic,
+};
+pub use error::{Error, ErrorKind, Result};
+#[cfg(feature = "robot")]
+pub use feasibility::{LimitUse, Verdict, limits};
+pub use fourier::{Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave};
+#[cfg(feature = "robot")]
+pub use geometry::{Shape, Solid};
+pub use primitive::{
+    Coordinate, FourierMovementPrimitive, Gaussian, LogPolar, Observation, stream,
+};
+#[cfg(feature = "robot")]
+pub use retarget::{JointMap, Source};
+#[cfg(feature = "robot")]
+pub use robot::{
+    Body, BodyJoint, Dynamics, GRAVITY, Inertial, JointKind, JointProperties, Link, Robot,
+};
+#[cfg(feature = "simulation")]
+pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
+
+/// What is handed to threads must be fit for them.
+const _: () = {
+    const fn shared<T: Send + Sync>() {}
+    shared::<Error>();
+    shared::<Wave>();
+    shared::<PeriodGrid>();
+    shared::<Demonstrations>();
+    shared::<FourierMovementPrimitive>();
+    #[cfg(feature = "robot")]
+    {
+        shared::<Robot>();
+        shared::<Dynamics>();
+        shared::<CollisionModel>();
+        shared::<JointMap>();
+        shared::<Verdict>();
+    }
+    #[cfg(feature = "simulation")]
+    shared::<Rollout>();
+};

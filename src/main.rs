@@ -1,1 +1,5 @@
-fn main(){}
+//! The `undulate` program: see `undulate --help`.
+
+fn main() -> std::process::ExitCode {
+    undulate::cli::main()
+}

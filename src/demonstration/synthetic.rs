@@ -52,10 +52,10 @@ struct Part {
 
 #[rustfmt::skip]
 const PARTS: [Part; JOINTS.len()] = [
-    Part { offset: 22.0, offset_spread: 3.0, slow: 1.6, fast: 0.8, lag: 2.6 },
-    Part { offset: 64.0, offset_spread: 3.0, slow: 2.4, fast: 1.2, lag: 0.9 },
-    Part { offset: -72.0, offset_spread: 4.0, slow: 4.0, fast: 1.6, lag: -0.7 },
-    Part { offset: 92.0, offset_spread: 4.0, slow: 13.0, fast: 2.2, lag: 0.0 },
+    Part { offset: 15.0, offset_spread: 4.0, slow: 1.6, fast: 0.8, lag: 2.6 },
+    Part { offset: 70.0, offset_spread: 4.0, slow: 2.4, fast: 1.2, lag: 0.9 },
+    Part { offset: -78.0, offset_spread: 5.0, slow: 4.0, fast: 1.6, lag: -0.7 },
+    Part { offset: 110.0, offset_spread: 5.0, slow: 13.0, fast: 2.2, lag: 0.0 },
     Part { offset: 0.0, offset_spread: 3.0, slow: 12.0, fast: 10.5, lag: 0.5 },
 ];
 
@@ -77,7 +77,9 @@ pub fn synthetic(seed: u64) -> Result<Demonstrations> {
         .map(|m| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(m as u64);
-            let pace = m as f64 / (DEMONSTRATIONS - 1) as f64;
+            // A continuum, denser towards both ends, as people have a slow wave and a fast one.
+            let turn = std::f64::consts::PI * m as f64 / (DEMONSTRATIONS - 1) as f64;
+            let pace = (1.0 - turn.cos()) / 2.0;
             let times = (0..SAMPLES)
                 .map(|n| PERIOD * n as f64 / SAMPLES as f64)
                 .collect();

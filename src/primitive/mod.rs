@@ -131,10 +131,7 @@ impl FourierMovementPrimitive {
             .collect::<Result<Vec<_>>>()?;
         let gaussian = self.gaussian.condition(&rows).map_err(|c| {
             let observation = &observations[c.observation];
-            let certain = match observation.coordinate {
-                Coordinate::Modulus { .. } => libm::exp(c.certain),
-                _ => c.certain,
-            };
+            let certain = observation.coordinate.value(c.certain);
             Error::new(
                 ErrorKind::Infeasible,
                 format!(

@@ -20,6 +20,24 @@ pub enum Coordinate {
     Offset { joint: String },
 }
 
+impl Coordinate {
+    /// k, where there is one.
+    pub fn harmonic(&self) -> Option<usize> {
+        match self {
+            Self::Modulus { harmonic, .. } | Self::Phase { harmonic, .. } => Some(*harmonic),
+            Self::Offset { .. } => None,
+        }
+    }
+
+    /// The quantity \[rad\] of an entry of x: exp for a modulus, the entry itself otherwise.
+    pub fn value(&self, charted: f64) -> f64 {
+        match self {
+            Self::Modulus { .. } => libm::exp(charted),
+            Self::Phase { .. } | Self::Offset { .. } => charted,
+        }
+    }
+}
+
 impl fmt::Display for Coordinate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,0 +1,164 @@
+//! `undulate learn`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Outcome, output};
+use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
+use crate::error::Result;
+use crate::primitive::FourierMovementPrimitive;
+
+/// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
+const MUCH_LEAKAGE: f64 = 0.05;
+
+/// Learn a movement primitive from recordings.
+#[derive(Args)]
+#[command(after_help = "Recordings are CSV files with a column `time_s` [s] and a column a joint [rad], one file a demonstration.\n\
+    Without any, the embedded synthetic demonstrator is learned.\n\n\
+    Examples:\n  \
+    undulate learn recordings/ -o model.json\n  \
+    undulate learn a.csv b.csv c.csv --degrees --joints elbow,wrist -o model.json\n  \
+    undulate learn --list set.txt --root recordings --harmonics 30 -o model.json")]
+pub(super) struct Arguments {
+    /// CSV files, or folders of them.
+    #[arg(value_name = "CSV|FOLDER")]
+    inputs: Vec<PathBuf>,
+    /// A file that names recordings, one path a line.
+    #[arg(long, value_name = "FILE")]
+    list: Option<PathBuf>,
+    /// What the paths in the list are relative to [default: the folder of the list].
+    #[arg(long, value_name = "FOLDER", requires = "list")]
+    root: Option<PathBuf>,
+    /// The columns to learn, in this order [default: all but `time_s`].
+    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
+    joints: Option<Vec<String>>,
+    /// Positions are degrees.
+    #[arg(long)]
+    degrees: bool,
+    /// The common period T [s] [default: the span for which (recordings kept) x T is largest].
+    #[arg(long, value_name = "SECONDS")]
+    duration: Option<f64>,
+    /// The highest harmonic, K.
+    #[arg(long, short = 'k', value_name = "K", default_value_t = 25)]
+    harmonics: usize,
+    /// Take a straight line out of each joint's recording first.
+    #[arg(long)]
+    remove_drift: bool,
+    /// Seed of the synthetic demonstrator, where nothing else is learned.
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    seed: u64,
+    /// The model file to write.
+    #[arg(long, short, value_name = "FILE", default_value = "model.json")]
+    output: PathBuf,
+    /// Write the fitted wave of each demonstration into this folder, in the form `undulate sample` writes.
+    #[arg(long, value_name = "FOLDER")]
+    fits: Option<PathBuf>,
+}
+
+impl Arguments {
+    fn demonstrations(&self) -> Result<Demonstrations> {
+        if self.inputs.is_empty() && self.list.is_none() {
+            return synthetic(self.seed);
+        }
+        let mut files = Vec::new();
+        for input in &self.inputs {
+            if input.is_dir() {
+                files.extend(Recording::files_in(input)?);
+            } else {
+                files.push(input.clone());
+            }
+        }
+        if let Some(list) = &self.list {
+            files.extend(Recording::files_listed(list, self.root.as_deref())?);
+        }
+        let options = CsvOptions {
+            degrees: self.degrees,
+            joints: self.joints.clone(),
+        };
+        let bar = output::progress(files.len() as u64, "reading recordings");
+        let mut recordings = Vec::new();
+        for file in &files {
+            let recording = Recording::open(file, &options)?;
+            recordings.push(if self.remove_drift { recording.without_drift() } else { recording });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Demonstrations::new(recordings, self.duration.map_or(Duration::Auto, Duration::Seconds))
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
+    let demonstrations = arguments.demonstrations()?;
+    let waves = demonstrations.fit(arguments.harmonics)?;
+    let primitive = FourierMovementPrimitive::from_waves(&waves)?;
+    let leakage = demonstrations.leakage(&waves);
+    let highest = arguments.harmonics as f64 / demonstrations.period();
+    let tempo = demonstrations.highest_tempo();
+
+    for left_out in demonstrations.left_out() {
+        output::warn(format!("{} is left out: it {}", left_out.name, left_out.reason));
+    }
+    if highest < 2.0 * tempo {
+        output::warn(format!(
+            "{} harmonics reach {highest:.2} Hz, and the fastest recording waves at {tempo:.2} Hz: take at least {} with --harmonics",
+            arguments.harmonics,
+            (2.0 * tempo * demonstrations.period()).ceil()
+        ));
+    }
+    let leaking = leakage.iter().filter(|l| l.residual_energy > MUCH_LEAKAGE).count();
+    if leaking > 0 {
+        output::warn(format!(
+            "{leaking} recordings leave more than {:.0} % of their energy beyond {} harmonics; --remove-drift or --harmonics may help",
+            100.0 * MUCH_LEAKAGE,
+            arguments.harmonics
+        ));
+    }
+    if let Some(folder) = &arguments.fits {
+        for (i, wave) in waves.iter().enumerate() {
+            output::write(&folder.join(format!("fit_{i:04}.json")), wave.to_json().as_bytes())?;
+        }
+    }
+    output::write(&arguments.output, primitive.to_json().as_bytes())?;
+
+    let value = json!({
+        "model": arguments.output,
+        "demonstrations": leakage.iter().map(|l| json!({
+            "name": l.name,
+            "residual_energy": l.residual_energy,
+            "end_jump_rad": l.end_jump,
+            "end_jump_joint": l.end_jump_joint,
+        })).collect::<Vec<_>>(),
+        "left_out": demonstrations.left_out().iter().map(|l| json!({"name": l.name, "reason": l.reason})).collect::<Vec<_>>(),
+        "joints": demonstrations.joints().iter().collect::<Vec<_>>(),
+        "period_s": demonstrations.period(),
+        "harmonics": arguments.harmonics,
+        "highest_frequency_hz": highest,
+        "fastest_tempo_hz": tempo,
+        "rank": primitive.gaussian().rank(),
+    });
+    output::report(json, &value, || {
+        let worst = leakage.iter().max_by(|a, b| a.end_jump.total_cmp(&b.end_jump));
+        let leak = leakage.iter().map(|l| l.residual_energy).fold(0.0, f64::max);
+        let mut text = format!(
+            "learned {} demonstrations of {} joints: T = {:.3} s, K = {} ({highest:.2} Hz), fastest tempo {tempo:.2} Hz",
+            leakage.len(),
+            demonstrations.joints().len(),
+            demonstrations.period(),
+            arguments.harmonics,
+        );
+        if let Some(worst) = worst {
+            text.push_str(&format!(
+                "\nbeyond K: at most {:.1} % of a recording's energy; largest step from end to start {:.1} deg ({}, {})",
+                100.0 * leak,
+                worst.end_jump.to_degrees(),
+                worst.end_jump_joint,
+                worst.name
+            ));
+        }
+        text.push_str(&format!("\nwrote {}", arguments.output.display()));
+        text
+    });
+    Ok(Outcome::Done)
+}

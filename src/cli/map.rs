@@ -1,0 +1,129 @@
+//! `undulate map`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+use serde_json::json;
+
+use super::robot::{joint_map, robot};
+use super::{Outcome, output, read_model};
+use crate::error::Result;
+use crate::figure::{Image, Poses};
+use crate::fourier::{Derivative, Interval, Wave};
+use crate::retarget::JointMap;
+use crate::robot::Robot;
+
+/// Side of a tile of the picture \[px\].
+const TILE: u32 = 480;
+const COLUMNS: usize = 4;
+
+/// Write a joint map to start from, or look at one.
+#[derive(Args)]
+#[command(
+    group = ArgGroup::new("what").required(true),
+    after_help = "--show draws the robot at the mean posture, and for each joint how it moves through its range, so that a wrong sign is seen.\n\n\
+    Examples:\n  \
+    undulate map --init model.json my.urdf -o my.toml\n  \
+    undulate map --show model.json my.urdf --map my.toml -o my.png"
+)]
+pub(super) struct Arguments {
+    /// Write a commented map for this model and robot.
+    #[arg(long, group = "what")]
+    init: bool,
+    /// Draw the robot as the map moves it.
+    #[arg(long, group = "what")]
+    show: bool,
+    /// The model file.
+    model: PathBuf,
+    /// A URDF file, or the name of a shipped robot.
+    #[arg(value_name = "ROBOT")]
+    robot: String,
+    /// The map to show; as in `undulate check`.
+    #[arg(long, value_name = "TOML|NAME", conflicts_with = "init")]
+    map: Option<String>,
+    /// The file to write [default: map.toml, map.png].
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
+    let primitive = read_model(&arguments.model)?;
+    let robot = robot(&arguments.robot)?;
+    let learned = primitive.chart().joints();
+    if arguments.init {
+        let path = arguments.output.clone().unwrap_or_else(|| "map.toml".into());
+        output::write(&path, JointMap::template(learned, &robot).as_bytes())?;
+        output::report(json, &json!({"map": path}), || {
+            format!("wrote {}: edit it, then look with `undulate map --show`", path.display())
+        });
+        return Ok(Outcome::Done);
+    }
+    let map = joint_map(arguments.map.as_deref(), &arguments.robot, learned)?;
+    let wave = map.apply(&primitive.mean_wave(), &robot)?;
+    let ranges: Vec<Interval> =
+        (0..robot.joints().len()).map(|j| wave.range(j, Derivative::Position)).collect();
+    let path = arguments.output.clone().unwrap_or_else(|| "map.png".into());
+    output::write(&path, &picture(&robot, &wave, &ranges)?.to_png()?)?;
+
+    let outside = |j: usize| {
+        robot.properties(j).position.is_some_and(|limit| {
+            ranges[j].lower < limit.lower || ranges[j].upper > limit.upper
+        })
+    };
+    let value = json!({
+        "picture": path,
+        "joints": robot.joints().iter().enumerate().map(|(j, joint)| json!({
+            "joint": joint,
+            "mean_rad": wave.offsets()[j],
+            "range_rad": [ranges[j].lower, ranges[j].upper],
+            "limit_rad": robot.properties(j).position.map(|l| [l.lower, l.upper]),
+        })).collect::<Vec<_>>(),
+    });
+    let rows: Vec<Vec<String>> = robot
+        .joints()
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            vec![
+                joint.clone(),
+                output::degrees(wave.offsets()[j]),
+                span(ranges[j]),
+                robot.properties(j).position.map_or("none".into(), span),
+                if outside(j) { "outside".into() } else { String::new() },
+            ]
+        })
+        .collect();
+    output::report(json, &value, || {
+        format!(
+            "{}\nwrote {}",
+            output::table(&["joint [deg]", "mean", "mean wave", "limit", ""], &rows),
+            path.display()
+        )
+    });
+    Ok(Outcome::Done)
+}
+
+fn span(interval: Interval) -> String {
+    format!("{} .. {}", output::degrees(interval.lower), output::degrees(interval.upper))
+}
+
+/// A tile of the mean posture, then one a joint, from the lower end of its range (pale) to the upper (solid).
+fn picture(robot: &Robot, wave: &Wave, ranges: &[Interval]) -> Result<Image> {
+    let posture: Vec<f64> = wave.offsets().iter().copied().collect();
+    let tile = |configurations: &[Vec<f64>], caption: &str| {
+        let poses = Poses { robot, configurations, path: configurations };
+        poses.draw((TILE, TILE))?.captioned(caption)
+    };
+    let mut tiles = vec![tile(std::slice::from_ref(&posture), "mean posture")?];
+    for (j, joint) in robot.joints().iter().enumerate() {
+        let through: Vec<Vec<f64>> = (0..=4)
+            .map(|i| {
+                let mut q = posture.clone();
+                q[j] = ranges[j].lower + ranges[j].width() * f64::from(i) / 4.0;
+                q
+            })
+            .collect();
+        tiles.push(tile(&through, &format!("{joint}: {}°", span(ranges[j])))?);
+    }
+    Image::tiled(&tiles, COLUMNS)
+}

@@ -1,0 +1,99 @@
+//! The command line: arguments, files, progress, words. Only this module prints.
+
+mod check;
+mod condition;
+mod learn;
+mod map;
+mod output;
+mod reproduce;
+mod robot;
+mod sample;
+mod simulate;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::Wave;
+use crate::primitive::FourierMovementPrimitive;
+
+/// Wave gestures for robots: learn them from recordings, sample, check and execute them.
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    after_help = "Exit codes: 0 done, 1 an input cannot be used, 2 the command line is wrong, 3 checked and refused.\n\n\
+        Example, from recordings to a robot:\n  \
+        undulate learn recordings/ -o model.json\n  \
+        undulate sample model.json --seed 7 -o wave.json\n  \
+        undulate check wave.json --robot wave_arm\n  \
+        undulate simulate wave.json --robot wave_arm -o rollout.csv"
+)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+    /// Print one JSON object instead of words.
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Reproduce(reproduce::Arguments),
+    Learn(learn::Arguments),
+    Condition(condition::Arguments),
+    Sample(sample::Arguments),
+    Check(check::Arguments),
+    Simulate(simulate::Arguments),
+    Map(map::Arguments),
+}
+
+/// What a verb came to, where it came to something.
+enum Outcome {
+    Done,
+    /// The input was looked at and does not pass.
+    Refused,
+}
+
+/// Runs the program on the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.verb {
+        Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
+        Verb::Learn(arguments) => learn::run(arguments, cli.json),
+        Verb::Condition(arguments) => condition::run(arguments, cli.json),
+        Verb::Sample(arguments) => sample::run(arguments, cli.json),
+        Verb::Check(arguments) => check::run(arguments, cli.json),
+        Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
+        Verb::Map(arguments) => map::run(arguments, cli.json),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Refused) => ExitCode::from(3),
+        Err(error) => {
+            output::failure(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    String::from_utf8(bytes).map_err(|_| {
+        Error::new(ErrorKind::Syntax, "text that is not UTF-8").at(path.display().to_string())
+    })
+}
+
+fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
+    FourierMovementPrimitive::from_json(&read_text(path)?).map_err(|e| {
+        e.help("`undulate learn` writes a model file").at(path.display().to_string())
+    })
+}
+
+fn read_wave(path: &PathBuf) -> Result<Wave> {
+    Wave::from_json(&read_text(path)?).map_err(|e| {
+        e.help("`undulate sample` draws wave files from a model").at(path.display().to_string())
+    })
+}

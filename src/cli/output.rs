@@ -1,0 +1,98 @@
+//! Words, tables, progress, and files that appear whole or not at all.
+
+use std::io::{IsTerminal, Write as _};
+use std::path::Path;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+
+/// Writes a line to standard output. A reader that has gone away is no error of ours.
+pub(super) fn say(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stdout(), "{}", text.as_ref());
+}
+
+/// The report of a verb: the JSON object, or the words.
+pub(super) fn report(json: bool, value: &Value, words: impl FnOnce() -> String) {
+    if json {
+        say(value.to_string());
+    } else {
+        say(words());
+    }
+}
+
+/// Something that the user should know and that stops nothing.
+pub(super) fn warn(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stderr(), "{}: {}", painted("warning", "33"), text.as_ref());
+}
+
+pub(super) fn failure(error: &Error) {
+    let _ = writeln!(std::io::stderr(), "{}: {error}", painted("error", "31"));
+}
+
+/// Colour only on a terminal, and not where the user asked for none.
+fn painted(word: &str, color: &str) -> String {
+    if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+        format!("\u{1b}[1;{color}m{word}\u{1b}[0m")
+    } else {
+        word.to_owned()
+    }
+}
+
+/// A bar on standard error for work of `steps` steps; nothing where that is no terminal.
+pub(super) fn progress(steps: u64, doing: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(10));
+    if let Ok(style) = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {eta}") {
+        bar.set_style(style);
+    }
+    bar.set_message(doing.to_owned());
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Writes a file under another name beside it first, so that it appears whole or not at all.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let fail = |e: std::io::Error| Error::io(path, &e);
+    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(fail)?;
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let done = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path));
+    done.map_err(|e| {
+        let _ = std::fs::remove_file(&part);
+        fail(e)
+    })
+}
+
+/// A table with a header, its first column to the left and the others to the right.
+pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count());
+        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let line = |cells: &[String]| {
+        let padded: Vec<String> = cells
+            .iter()
+            .zip(&widths)
+            .enumerate()
+            .map(|(i, (cell, width))| {
+                if i == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            })
+            .collect();
+        padded.join("  ").trim_end().to_owned()
+    };
+    let header: Vec<String> = header.iter().map(|h| (*h).to_owned()).collect();
+    let mut lines = vec![line(&header)];
+    lines.extend(rows.iter().map(|row| line(row)));
+    lines.join("\n")
+}
+
+/// Degrees with a decimal, from radians.
+pub(super) fn degrees(radians: f64) -> String {
+    format!("{:.1}", radians.to_degrees())
+}

@@ -1,0 +1,137 @@
+//! `undulate simulate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::robot::RobotArguments;
+use super::{Outcome, output, read_wave};
+use crate::collision::CollisionModel;
+use crate::error::Result;
+use crate::feasibility::{LimitUse, limits};
+use crate::simulation::{Rollout, TrackOptions, track};
+
+/// Execute a wave on a robot in simulation.
+#[derive(Args)]
+#[command(after_help = "The robot is a Rapier multibody under gravity with the effort limits and damping of its URDF.\n\n\
+    Example:\n  \
+    undulate simulate wave.json --robot wave_arm -o rollout.csv")]
+pub(super) struct Arguments {
+    /// The wave file.
+    wave: PathBuf,
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// How long [s] [default: one period].
+    #[arg(long, value_name = "SECONDS")]
+    duration: Option<f64>,
+    /// Step of simulation and controller [s].
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.001)]
+    time_step: f64,
+    /// Natural frequency of the position loops [Hz].
+    #[arg(long, value_name = "HERTZ", default_value_t = TrackOptions::default().bandwidth)]
+    bandwidth: f64,
+    /// Motors alone, without the torque that the model says the motion needs.
+    #[arg(long)]
+    no_feed_forward: bool,
+    /// Write the rollout: `time_s`, then for each joint reference, position, velocity, torque.
+    #[arg(long, short, value_name = "CSV")]
+    output: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
+    let wave = read_wave(&arguments.wave)?;
+    let (robot, map) = arguments.robot.load(wave.joints())?;
+    let wave = map.apply(&wave, &robot)?;
+    let limits = limits(&robot, &wave)?;
+    for limit in limits.iter().filter(|l| l.excess() > 0.0) {
+        output::warn(broken(limit));
+    }
+    let options = TrackOptions {
+        time_step: arguments.time_step,
+        duration: arguments.duration,
+        bandwidth: arguments.bandwidth,
+        feed_forward: !arguments.no_feed_forward,
+    };
+    let rollout = track(&robot, &wave, &options)?;
+    // What was achieved is looked at apart from what was commanded.
+    let contact = match CollisionModel::new(&robot, &[]) {
+        Ok(collision) => rollout.position.row_iter().enumerate().find_map(|(n, q)| {
+            let q: Vec<f64> = q.iter().copied().collect();
+            collision.collision(&robot, &q).map(|pair| (rollout.times[n], pair.names.clone()))
+        }),
+        Err(error) => {
+            output::warn(format!("self-collision is not looked at: {error}"));
+            None
+        }
+    };
+    if let Some(path) = &arguments.output {
+        output::write(path, rollout.to_csv().as_bytes())?;
+    }
+    if let Some((time, (a, b))) = &contact {
+        output::warn(format!("{a} and {b} touch at {time:.3} s"));
+    }
+    let value = json!({
+        "robot": robot.name(),
+        "duration_s": rollout.times.last(),
+        "joints": rollout_json(&rollout),
+        "first_contact": contact.as_ref().map(|(time, (a, b))| json!({"time_s": time, "pair": [a, b]})),
+        "limits_exceeded": limits.iter().filter(|l| l.excess() > 0.0).map(super::check::limit_json).collect::<Vec<_>>(),
+        "rollout": arguments.output,
+    });
+    output::report(json, &value, || {
+        let mut text = rollout_table(&rollout);
+        if let Some(path) = &arguments.output {
+            text.push_str(&format!("\nwrote {}", path.display()));
+        }
+        text
+    });
+    Ok(Outcome::Done)
+}
+
+fn broken(limit: &LimitUse) -> String {
+    format!(
+        "joint `{}` leaves its {} limit by {:.3} {}; the simulated motor will be stopped by it, a real one may not be",
+        limit.joint,
+        if limit.quantity.order() == 0 { "position" } else { "velocity" },
+        limit.excess(),
+        if limit.quantity.order() == 0 { "rad" } else { "rad/s" },
+    )
+}
+
+pub(super) fn rollout_json(rollout: &Rollout) -> serde_json::Value {
+    let (rms, peak, torque) = (rollout.rms_error(), rollout.peak_error(), rollout.peak_torque());
+    rollout
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            json!({
+                "joint": joint,
+                "rms_error_rad": rms[j],
+                "peak_error_rad": peak[j],
+                "peak_torque_nm": torque[j],
+                "saturated_steps": rollout.saturated[j],
+            })
+        })
+        .collect()
+}
+
+pub(super) fn rollout_table(rollout: &Rollout) -> String {
+    let (rms, peak, torque) = (rollout.rms_error(), rollout.peak_error(), rollout.peak_torque());
+    let rows: Vec<Vec<String>> = rollout
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            vec![
+                joint.clone(),
+                format!("{:.1e} rad", rms[j]),
+                format!("{:.1e} rad", peak[j]),
+                format!("{:.1} N m", torque[j]),
+                rollout.saturated[j].to_string(),
+            ]
+        })
+        .collect();
+    output::table(&["joint", "rms error", "peak error", "peak torque", "steps saturated"], &rows)
+}

@@ -1,0 +1,32 @@
+//! Pictures, as bytes: plots as SVG and PNG, robots as PNG.
+
+mod axis;
+mod canvas;
+mod font;
+mod frame;
+mod image;
+mod legend;
+mod plot;
+mod trace;
+mod waves;
+
+#[cfg(feature = "robot")]
+mod camera;
+#[cfg(feature = "robot")]
+mod ground;
+#[cfg(feature = "robot")]
+mod layer;
+#[cfg(feature = "robot")]
+mod poses;
+#[cfg(feature = "robot")]
+mod ray;
+#[cfg(feature = "robot")]
+mod robot_view;
+#[cfg(feature = "robot")]
+mod tube;
+
+pub use image::{Color, Image};
+pub use plot::{Mark, Picture, Plot, Series, draw};
+#[cfg(feature = "robot")]
+pub use poses::Poses;
+pub use waves::{Labelled, spectra, trajectories};
