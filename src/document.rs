@@ -25,22 +25,29 @@ pub(crate) fn write<T: Serialize>(file: &T) -> String {
 /// Reads a document that must call itself `format`.
 pub(crate) fn read<T: DeserializeOwned>(text: &str, format: &str) -> Result<T> {
     let syntax = |e: serde_json::Error| {
-        let what = if e.is_eof() { "the file is cut short".to_owned() } else { e.to_string() };
+        let what = if e.is_eof() {
+            "the file is cut short".to_owned()
+        } else {
+            e.to_string()
+        };
         Error::new(ErrorKind::Syntax, what)
             .expected(format!("an {format} file"))
             .at(format!("line {}, column {}", e.line(), e.column()))
     };
     let header: Header = serde_json::from_str(text).map_err(syntax)?;
     if header.format != format {
-        return Err(Error::new(ErrorKind::Syntax, format!("format `{}`", header.format))
-            .expected(format!("`{format}`")));
+        return Err(
+            Error::new(ErrorKind::Syntax, format!("format `{}`", header.format))
+                .expected(format!("`{format}`")),
+        );
     }
     if header.version == 0 || header.version > VERSION {
-        return Err(
-            Error::new(ErrorKind::Unsupported, format!("version {}", header.version))
-                .expected(format!("1 to {VERSION}"))
-                .help("the file was written by a later undulate: update, or write it again"),
-        );
+        return Err(Error::new(
+            ErrorKind::Unsupported,
+            format!("version {}", header.version),
+        )
+        .expected(format!("1 to {VERSION}"))
+        .help("the file was written by a later undulate: update, or write it again"));
     }
     serde_json::from_str(text).map_err(syntax)
 }

@@ -21,7 +21,9 @@ pub struct LimitUse {
 impl LimitUse {
     /// How far the range leaves the limit \[rad, rad/s\]; 0 when it does not.
     pub fn excess(&self) -> f64 {
-        (self.limit.lower - self.range.lower).max(self.range.upper - self.limit.upper).max(0.0)
+        (self.limit.lower - self.range.lower)
+            .max(self.range.upper - self.limit.upper)
+            .max(0.0)
     }
 }
 
@@ -34,7 +36,10 @@ pub fn limits(robot: &Robot, wave: &Wave) -> Result<Vec<LimitUse>> {
     let mut uses = Vec::new();
     for (j, joint) in robot.joints().iter().enumerate() {
         let properties = robot.properties(j);
-        let speed = properties.velocity.map(|v| Interval { lower: -v, upper: v });
+        let speed = properties.velocity.map(|v| Interval {
+            lower: -v,
+            upper: v,
+        });
         for (quantity, limit) in [
             (Derivative::Position, properties.position),
             (Derivative::Velocity, speed),
@@ -69,8 +74,11 @@ impl Verdict {
     pub fn of(robot: &Robot, collision: &CollisionModel, wave: &Wave, step: f64) -> Result<Self> {
         let limits = limits(robot, wave)?;
         let within = limits.iter().all(|l| l.excess() == 0.0);
-        let collision =
-            if within { Some(collision.check_motion(robot, wave, step)?) } else { None };
+        let collision = if within {
+            Some(collision.check_motion(robot, wave, step)?)
+        } else {
+            None
+        };
         Ok(Self { limits, collision })
     }
 
@@ -82,6 +90,9 @@ impl Verdict {
     /// Whether no limit is broken and no sample touches.
     pub fn passes(&self) -> bool {
         self.broken().next().is_none()
-            && self.collision.as_ref().is_some_and(MotionClearance::is_free)
+            && self
+                .collision
+                .as_ref()
+                .is_some_and(MotionClearance::is_free)
     }
 }

@@ -7,12 +7,22 @@ use nalgebra::{Isometry3, Vector3};
 #[allow(missing_docs)]
 pub enum Shape {
     /// Half the edge lengths along x, y, z.
-    Box { half_extents: Vector3<f64> },
-    Sphere { radius: f64 },
+    Box {
+        half_extents: Vector3<f64>,
+    },
+    Sphere {
+        radius: f64,
+    },
     /// Its axis is z, as in URDF.
-    Cylinder { radius: f64, length: f64 },
+    Cylinder {
+        radius: f64,
+        length: f64,
+    },
     /// Its axis is z; `length` is the distance of the centres of the caps.
-    Capsule { radius: f64, length: f64 },
+    Capsule {
+        radius: f64,
+        length: f64,
+    },
 }
 
 impl Shape {

@@ -15,7 +15,11 @@ use crate::units::parse_angle;
 pub enum Source {
     /// `gain * learned + offset` \[rad\].
     #[allow(missing_docs)]
-    Learned { joint: String, gain: f64, offset: f64 },
+    Learned {
+        joint: String,
+        gain: f64,
+        offset: f64,
+    },
     /// It holds a position \[rad\].
     Constant(f64),
 }
@@ -86,8 +90,9 @@ impl JointMap {
     /// 1 or -1, a scale is not positive, or an angle is not finite; the message names the joint.
     pub fn from_toml(text: &str) -> Result<Self> {
         let file: MapFile = toml::from_str(text).map_err(|e| {
-            let error = Error::new(ErrorKind::Syntax, e.message().replace('\n', " "))
-                .expected("tables [joints.NAME] with `from`, `sign`, `scale`, `offset` or with `constant`");
+            let error = Error::new(ErrorKind::Syntax, e.message().replace('\n', " ")).expected(
+                "tables [joints.NAME] with `from`, `sign`, `scale`, `offset` or with `constant`",
+            );
             match e.span() {
                 Some(span) => {
                     let line = text[..span.start.min(text.len())].matches('\n').count() + 1;
@@ -97,7 +102,9 @@ impl JointMap {
             }
         })?;
         let entries = file.joints.into_iter().map(|(joint, entry)| {
-            let source = entry.source().map_err(|e| e.at(format!("robot joint `{joint}`")))?;
+            let source = entry
+                .source()
+                .map_err(|e| e.at(format!("robot joint `{joint}`")))?;
             Ok((joint, source))
         });
         Ok(Self(entries.collect::<Result<_>>()?))
@@ -105,7 +112,9 @@ impl JointMap {
 
     /// The entries, by robot joint.
     pub fn sources(&self) -> impl Iterator<Item = (&str, &Source)> {
-        self.0.iter().map(|(joint, source)| (joint.as_str(), source))
+        self.0
+            .iter()
+            .map(|(joint, source)| (joint.as_str(), source))
     }
 
     /// The wave on the robot's joints, in the robot's order.
@@ -118,11 +127,22 @@ impl JointMap {
     }
 
     fn rows(&self, learned: &Joints, robot: &Robot) -> Result<Vec<(Option<usize>, f64, f64)>> {
-        for joint in self.0.keys() {
+        // What the map says is looked at before what it lacks.
+        for (joint, source) in &self.0 {
+            let here = |e: Error| e.at(format!("joint map, robot joint `{joint}`"));
             robot
                 .joints()
                 .index(joint)
-                .map_err(|e| e.at("joint map").at(format!("robot `{}`", robot.name())))?;
+                .map_err(|e| here(e).at(format!("robot `{}`", robot.name())))?;
+            if let Source::Learned { joint: from, .. } = source {
+                learned.index(from).map_err(|e| {
+                    here(
+                        e.help(
+                            "correct `from` in the joint map, or hold the joint with `constant`",
+                        ),
+                    )
+                })?;
+            }
         }
         robot
             .joints()
@@ -130,11 +150,7 @@ impl JointMap {
             .map(|joint| match self.0.get(joint) {
                 Some(Source::Constant(position)) => Ok((None, 0.0, *position)),
                 Some(Source::Learned { joint: from, gain, offset }) => {
-                    let source = learned.index(from).map_err(|e| {
-                        e.help("correct `from` in the joint map, or hold the joint with `constant`")
-                            .at(format!("joint map, robot joint `{joint}`"))
-                    })?;
-                    Ok((Some(source), *gain, *offset))
+                    Ok((Some(learned.index(from)?), *gain, *offset))
                 }
                 None => learned.index(joint).map(|source| (Some(source), 1.0, 0.0)).map_err(|_| {
                     Error::new(ErrorKind::Name, "nothing moves it")
@@ -163,12 +179,20 @@ impl JointMap {
         for (i, joint) in robot.joints().iter().enumerate() {
             let properties = robot.properties(i);
             let range = properties.position.map_or("continuous".to_owned(), |p| {
-                format!("{:.1} to {:.1} deg", p.lower.to_degrees(), p.upper.to_degrees())
+                format!(
+                    "{:.1} to {:.1} deg",
+                    p.lower.to_degrees(),
+                    p.upper.to_degrees()
+                )
             });
             let _ = write!(text, "\n[joints.{}]  # {range}\n", key(joint));
             match likely(joint, learned) {
                 Some(from) => {
-                    let guess = if from == joint { "" } else { "  # a guess from the name" };
+                    let guess = if from == joint {
+                        ""
+                    } else {
+                        "  # a guess from the name"
+                    };
                     let _ = write!(
                         text,
                         "from = {}{guess}\nsign = 1  # or -1\nscale = 1.0\noffset = \"0deg\"\n",
@@ -177,9 +201,9 @@ impl JointMap {
                 }
                 None => {
                     let rest = robot.rest()[i].to_degrees();
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
-                        "constant = \"{rest:.1}deg\"  # or: from = \"..\", sign, scale, offset\n"
+                        "constant = \"{rest:.1}deg\"  # or: from = \"..\", sign, scale, offset"
                     );
                 }
             }
@@ -201,7 +225,10 @@ impl Entry {
                     return refuse(format!("sign = {sign}"), "1 or -1");
                 }
                 if !(scale.is_finite() && scale > 0.0) {
-                    return refuse(format!("scale = {scale}"), "a positive number; the sign has a key of its own");
+                    return refuse(
+                        format!("scale = {scale}"),
+                        "a positive number; the sign has a key of its own",
+                    );
                 }
                 Ok(Source::Learned {
                     joint: from.clone(),
@@ -209,10 +236,15 @@ impl Entry {
                     offset: self.offset.as_ref().map_or(Ok(0.0), Angle::radians)?,
                 })
             }
-            (None, Some(constant)) if self.sign.is_none() && self.scale.is_none() && self.offset.is_none() => {
+            (None, Some(constant))
+                if self.sign.is_none() && self.scale.is_none() && self.offset.is_none() =>
+            {
                 Ok(Source::Constant(constant.radians()?))
             }
-            (None, Some(_)) => refuse("`constant` beside `sign`, `scale` or `offset`".into(), "`constant` alone"),
+            (None, Some(_)) => refuse(
+                "`constant` beside `sign`, `scale` or `offset`".into(),
+                "`constant` alone",
+            ),
             (Some(_), Some(_)) => refuse("both `from` and `constant`".into(), "one of them"),
             (None, None) => refuse("neither `from` nor `constant`".into(), "one of them"),
         }
@@ -301,8 +333,14 @@ mod tests {
         for (text, message) in [
             ("", "robot `r`, joint `arm/elbow`: nothing moves it"),
             ("[joints.hip]\nconstant = 0", "no joint `hip`"),
-            ("[joints.wrist]\nfrom = 'elbo'", "joint map, robot joint `wrist`: no joint `elbo`"),
-            ("[joints.wrist]\nfrom = 'a'\nconstant = 1", "robot joint `wrist`: both"),
+            (
+                "[joints.wrist]\nfrom = 'elbo'",
+                "joint map, robot joint `wrist`: no joint `elbo`",
+            ),
+            (
+                "[joints.wrist]\nfrom = 'a'\nconstant = 1",
+                "robot joint `wrist`: both",
+            ),
             ("[joints.wrist]", "neither `from` nor `constant`"),
             ("[joints.wrist]\nfrom = 'a'\nsign = 2", "sign = 2"),
             ("[joints.wrist]\nfrom = 'a'\nscale = -2", "scale = -2"),

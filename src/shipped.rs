@@ -10,8 +10,16 @@ const ROBOTS: [(&str, &str); 1] = [("wave_arm", include_str!("../robots/wave_arm
 
 /// Name, robot and TOML of each shipped map.
 const MAPS: [(&str, &str, &str); 2] = [
-    ("wave_arm_demonstrator", "wave_arm", include_str!("../robots/wave_arm_demonstrator.toml")),
-    ("wave_arm_human", "wave_arm", include_str!("../robots/wave_arm_human.toml")),
+    (
+        "wave_arm_demonstrator",
+        "wave_arm",
+        include_str!("../robots/wave_arm_demonstrator.toml"),
+    ),
+    (
+        "wave_arm_human",
+        "wave_arm",
+        include_str!("../robots/wave_arm_human.toml"),
+    ),
 ];
 
 /// The names of the shipped robots.
@@ -30,8 +38,10 @@ pub fn maps() -> impl Iterator<Item = &'static str> {
 /// When there is none of this name.
 pub fn robot(name: &str) -> Result<Robot> {
     let (_, urdf) = ROBOTS.iter().find(|(n, _)| *n == name).ok_or_else(|| {
-        Error::new(ErrorKind::Name, format!("no shipped robot `{name}`"))
-            .expected(format!("one of {}", robots().collect::<Vec<_>>().join(", ")))
+        Error::new(ErrorKind::Name, format!("no shipped robot `{name}`")).expected(format!(
+            "one of {}",
+            robots().collect::<Vec<_>>().join(", ")
+        ))
     })?;
     Robot::from_urdf(urdf)
 }
@@ -93,8 +103,13 @@ mod tests {
         };
         assert_eq!(found(&DEMONSTRATOR_JOINTS), Some("wave_arm_demonstrator"));
         let human = [
-            "shoulder_flexion", "shoulder_abduction", "shoulder_rotation", "elbow_flexion",
-            "forearm_pronation", "wrist_flexion", "wrist_deviation",
+            "shoulder_flexion",
+            "shoulder_abduction",
+            "shoulder_rotation",
+            "elbow_flexion",
+            "forearm_pronation",
+            "wrist_flexion",
+            "wrist_deviation",
         ];
         assert_eq!(found(&human), Some("wave_arm_human"));
         assert_eq!(found(&["a", "b"]), None);

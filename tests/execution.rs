@@ -15,7 +15,9 @@ fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
     let collision = CollisionModel::new(&robot, &[]).unwrap();
     let map = shipped::map("wave_arm_demonstrator").unwrap();
     for draw in 0..1000 {
-        let wave = map.apply(&primitive.sample(&mut stream(seed, draw)), &robot).unwrap();
+        let wave = map
+            .apply(&primitive.sample(&mut stream(seed, draw)), &robot)
+            .unwrap();
         let verdict = Verdict::of(&robot, &collision, &wave, STEP).unwrap();
         if verdict.passes() {
             return (wave, draw + 1);
@@ -38,8 +40,17 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
             let (wave, draws) = redrawn(&conditioned, seed);
             drawn += draws;
             let rollout = track(&robot, &wave, &TrackOptions::default()).unwrap();
-            println!("seed {seed} rms {:.1e} peak {:.1e} draws {draws} torque {:.1}", rollout.rms_error().max(), rollout.peak_error().max(), rollout.peak_torque().max());
-            assert!(rollout.rms_error().max() < 1e-3, "seed {seed}: {}", rollout.rms_error());
+            println!(
+                "seed {seed} rms {:.1e} peak {:.1e} draws {draws} torque {:.1}",
+                rollout.rms_error().max(),
+                rollout.peak_error().max(),
+                rollout.peak_torque().max()
+            );
+            assert!(
+                rollout.rms_error().max() < 1e-3,
+                "seed {seed}: {}",
+                rollout.rms_error()
+            );
             assert_eq!(rollout.saturated, [0; 6], "seed {seed}");
         }
     }

@@ -23,7 +23,11 @@ fn kronecker(wave: &Wave, times: &[f64], samples: &DMatrix<f64>) -> DMatrix<Comp
     let system = phi.kronecker(&DMatrix::<Complex<f64>>::identity(d, d));
     let y = DVector::from_iterator(
         d * times.len(),
-        samples.row_iter().flat_map(|row| row.iter().map(|y| Complex::new(*y, 0.0)).collect::<Vec<_>>()),
+        samples.row_iter().flat_map(|row| {
+            row.iter()
+                .map(|y| Complex::new(*y, 0.0))
+                .collect::<Vec<_>>()
+        }),
     );
     let adjoint = system.adjoint();
     let solution = (&adjoint * &system).lu().solve(&(&adjoint * y)).unwrap();
@@ -216,6 +220,7 @@ proptest! {
             let coordinate = primitive.chart().coordinate(*i).unwrap();
             Observation { value: coordinate.value(target[*i]), coordinate }
         }).collect();
+        prop_assume!(!rows.is_empty());
         let a = DMatrix::from_fn(rows.len(), prior.dimension(), |r, i| f64::from(u8::from(rows[r] == i)));
         let sigma = prior.covariance();
         let s = &a * &sigma * a.transpose();
@@ -282,15 +287,21 @@ fn conditioned() -> FourierMovementPrimitive {
         .unwrap()
 }
 
-fn draws(g: &Gaussian, twin: impl Fn(&Gaussian, &DVector<f64>) -> DVector<f64>) -> Vec<DVector<f64>> {
-    (0..DRAWS).map(|k| twin(g, &g.sample(&mut stream(SEED, k as u64)))).collect()
+fn draws(
+    g: &Gaussian,
+    twin: impl Fn(&Gaussian, &DVector<f64>) -> DVector<f64>,
+) -> Vec<DVector<f64>> {
+    (0..DRAWS)
+        .map(|k| twin(g, &g.sample(&mut stream(SEED, k as u64))))
+        .collect()
 }
 
 #[test]
 fn draws_have_the_mean_and_covariance_of_their_primitive() {
     for primitive in [learned(), conditioned()] {
         let g = primitive.gaussian();
-        gaussian(&draws(g, |_, x| x.clone()), g, FALSE_ALARM).unwrap_or_else(|alarm| panic!("{alarm}, seed {SEED}"));
+        gaussian(&draws(g, |_, x| x.clone()), g, FALSE_ALARM)
+            .unwrap_or_else(|alarm| panic!("{alarm}, seed {SEED}"));
     }
 }
 
@@ -303,19 +314,40 @@ fn draws_of_a_broken_sampler_do_not() {
             assert_eq!(alarm.what, what, "{alarm}");
         };
         // 1/(M-1) for 1/M is a variance larger by 15/14, below what this N detects; a quarter more is not.
-        caught(&|g, x| g.mean() + (x - g.mean()) * 1.25f64.sqrt(), "variance");
-        caught(&|g, x| g.mean() + (x - g.mean()) * 0.75f64.sqrt(), "variance");
+        caught(
+            &|g, x| g.mean() + (x - g.mean()) * 1.25f64.sqrt(),
+            "variance",
+        );
+        caught(
+            &|g, x| g.mean() + (x - g.mean()) * 0.75f64.sqrt(),
+            "variance",
+        );
         // Half a standard deviation off along the first column.
         caught(&|g, x| x + g.factor().column(0) * 0.5, "mean");
         // Columns mixed up: the same spread in the wrong directions leaves them correlated.
-        caught(&|g, x| {
-            let z = g.factor().clone().svd(true, true).solve(&(x - g.mean()), 1e-12).unwrap();
-            let mut turned = z.clone();
-            turned[0] = (z[0] + z[1]) / 2f64.sqrt();
-            g.mean() + g.factor() * turned
-        }, "variance");
+        caught(
+            &|g, x| {
+                let z = g
+                    .factor()
+                    .clone()
+                    .svd(true, true)
+                    .solve(&(x - g.mean()), 1e-12)
+                    .unwrap();
+                let mut turned = z.clone();
+                turned[0] = (z[0] + z[1]) / 2f64.sqrt();
+                g.mean() + g.factor() * turned
+            },
+            "variance",
+        );
         // Noise on one coordinate alone.
-        caught(&|_, x| { let mut y = x.clone(); y[3] += 1e-3; y }, "span");
+        caught(
+            &|_, x| {
+                let mut y = x.clone();
+                y[3] += 1e-3;
+                y
+            },
+            "span",
+        );
     }
 }
 
@@ -335,18 +367,38 @@ fn waves_are_the_charted_draws_and_conditioned_ones_have_the_value() {
 fn contradictions_and_foreign_names_are_refused_by_name() {
     let conditioned = conditioned();
     let refuse = |observation: Observation, words: &[&str]| {
-        let error = conditioned.condition(&[observation]).unwrap_err().to_string();
+        let error = conditioned
+            .condition(&[observation])
+            .unwrap_err()
+            .to_string();
         for word in words {
             assert!(error.contains(word), "{error}");
         }
     };
-    refuse(Observation::modulus("elbow_flexion", 10, 0.1), &["modulus:elbow_flexion:10", "contradicts", "0.087266"]);
-    refuse(Observation::modulus("elbow_flexion", 26, 0.1), &["no harmonic 26", "1 to 25"]);
-    refuse(Observation::modulus("elbow", 10, 0.1), &["no joint `elbow`", "elbow_flexion"]);
-    refuse(Observation::modulus("elbow_flexion", 9, 0.0), &["positive modulus"]);
-    refuse(Observation::modulus("elbow_flexion", 9, f64::NAN), &["finite"]);
+    refuse(
+        Observation::modulus("elbow_flexion", 10, 0.1),
+        &["modulus:elbow_flexion:10", "contradicts", "0.087266"],
+    );
+    refuse(
+        Observation::modulus("elbow_flexion", 26, 0.1),
+        &["no harmonic 26", "1 to 25"],
+    );
+    refuse(
+        Observation::modulus("elbow", 10, 0.1),
+        &["no joint `elbow`", "elbow_flexion"],
+    );
+    refuse(
+        Observation::modulus("elbow_flexion", 9, 0.0),
+        &["positive modulus"],
+    );
+    refuse(
+        Observation::modulus("elbow_flexion", 9, f64::NAN),
+        &["finite"],
+    );
     // Fifteen demonstrations leave fourteen directions.
-    let fifteen: Vec<Observation> = (1..=15).map(|k| Observation::modulus("elbow_flexion", k, 0.01)).collect();
+    let fifteen: Vec<Observation> = (1..=15)
+        .map(|k| Observation::modulus("elbow_flexion", k, 0.01))
+        .collect();
     let error = learned().condition(&fifteen).unwrap_err().to_string();
     assert!(error.contains("contradicts"), "{error}");
 }
@@ -354,23 +406,43 @@ fn contradictions_and_foreign_names_are_refused_by_name() {
 #[test]
 fn broken_model_files_are_refused() {
     let text = learned().to_json();
-    let read = |text: &str| FourierMovementPrimitive::from_json(text).unwrap_err().to_string();
+    let read = |text: &str| {
+        FourierMovementPrimitive::from_json(text)
+            .unwrap_err()
+            .to_string()
+    };
     assert!(read(&text[..text.len() / 2]).contains("cut short"));
     assert!(read("").contains("cut short"));
-    assert!(read(&text.replace("\"version\":1", "\"version\":2")).contains("version 2, expected 1"));
+    assert!(
+        read(&text.replace("\"version\":1", "\"version\":2")).contains("version 2, expected 1")
+    );
     assert!(read(&text.replace("undulate model", "something")).contains("format `something`"));
     assert!(read(&text.replace("\"harmonics\":25", "\"harmonics\":24")).contains("2 D K + D"));
-    assert!(read(&text.replace("\"harmonics\":25", "\"harmonics\":18446744073709551615")).contains("2 D K + D"));
+    assert!(
+        read(&text.replace("\"harmonics\":25", "\"harmonics\":18446744073709551615"))
+            .contains("2 D K + D")
+    );
     assert!(read(&text.replacen("\"mean\":[", "\"mean\":[1e400,", 1)).contains("line 1"));
-    assert!(read(&text.replacen("\"mean\":[-", "\"mean\":[-9", 1)).contains("overflow") || text.contains("\"mean\":[-0"));
+    assert!(read(&text.replacen("\"mean\":[-", "\"mean\":[-999", 1)).contains("overflow"));
 }
 
 #[test]
 fn one_demonstration_and_differing_waves_are_refused() {
     let waves = synthetic(0).unwrap().fit(5).unwrap();
-    assert!(FourierMovementPrimitive::from_waves(&waves[..1]).unwrap_err().to_string().contains("at least two"));
+    assert!(
+        FourierMovementPrimitive::from_waves(&waves[..1])
+            .unwrap_err()
+            .to_string()
+            .contains("at least two")
+    );
     let other = synthetic(0).unwrap().fit(6).unwrap();
     assert!(FourierMovementPrimitive::from_waves(&[waves[0].clone(), other[0].clone()]).is_err());
-    let few = Recording::new("few", waves[0].joints().clone(), vec![0.0, 1.0], DMatrix::zeros(2, 5)).unwrap();
+    let few = Recording::new(
+        "few",
+        waves[0].joints().clone(),
+        vec![0.0, 1.0],
+        DMatrix::zeros(2, 5),
+    )
+    .unwrap();
     let _ = few.tempo();
 }

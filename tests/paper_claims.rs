@@ -27,15 +27,18 @@ fn medians_follow_the_conditions_for_18_of_20_seeds() {
             primitive.condition(&[observation]).unwrap()
         };
         let (slow, fast) = (given(ELBOW, 10, 5.0), given(WRIST, 20, 4.0));
-        let median = |p: &FourierMovementPrimitive, joint: &str, k| p.median_modulus(joint, k).unwrap();
+        let median =
+            |p: &FourierMovementPrimitive, joint: &str, k| p.median_modulus(joint, k).unwrap();
         let wrist_to_elbow = median(&slow, WRIST, 10) / median(&slow, ELBOW, 10);
         let ratio = |p: &FourierMovementPrimitive| median(p, ELBOW, 20) / median(p, ELBOW, 10);
         let rise = ratio(&fast) / ratio(&primitive);
         let shift = centroid(&fast, ELBOW) - centroid(&primitive, ELBOW);
         println!(
             "seed {seed:2}: wrist/elbow {wrist_to_elbow:.2}, rise {rise:.1} (of E10 {:.1}), shift {shift:.2} (of E10 {:.2}), E10 {:.2} W20 {:.2} deg",
-            ratio(&fast) / ratio(&slow), centroid(&fast, ELBOW) - centroid(&slow, ELBOW),
-            median(&primitive, ELBOW, 10).to_degrees(), median(&primitive, WRIST, 20).to_degrees(),
+            ratio(&fast) / ratio(&slow),
+            centroid(&fast, ELBOW) - centroid(&slow, ELBOW),
+            median(&primitive, ELBOW, 10).to_degrees(),
+            median(&primitive, WRIST, 20).to_degrees(),
         );
         held += usize::from((0.6..=1.1).contains(&wrist_to_elbow) && rise >= 3.0 && shift >= 2.0);
     }

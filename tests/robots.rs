@@ -10,11 +10,17 @@ use serde_json::Value;
 use undulate::{Dynamics, GRAVITY, Robot};
 
 /// Files whose fault lies in a mesh: meshes are not read yet.
-const MESH_FILES: [&str; 3] = ["46_mesh_traversal.urdf", "49_mesh_missing.urdf", "51_mesh_lying_stl.urdf"];
+const MESH_FILES: [&str; 3] = [
+    "46_mesh_traversal.urdf",
+    "49_mesh_missing.urdf",
+    "51_mesh_lying_stl.urdf",
+];
 
 #[test]
 fn every_real_robot_loads() {
-    let Some(folder) = shared("real robots") else { return };
+    let Some(folder) = shared("real robots") else {
+        return;
+    };
     let mut loaded = 0;
     for robot in std::fs::read_dir(folder.join("robots")).unwrap() {
         let robot = robot.unwrap().path();
@@ -25,7 +31,12 @@ fn every_real_robot_loads() {
             let file = file.unwrap().path();
             if file.extension().is_some_and(|e| e == "urdf") {
                 let robot = Robot::open(&file).unwrap();
-                println!("{}: {} joints, {:?}", robot.name(), robot.joints().len(), robot.require_dynamics().err());
+                println!(
+                    "{}: {} joints, {:?}",
+                    robot.name(),
+                    robot.joints().len(),
+                    robot.require_dynamics().err()
+                );
                 loaded += 1;
             }
         }
@@ -35,7 +46,9 @@ fn every_real_robot_loads() {
 
 #[test]
 fn hostile_files_get_what_the_manifest_says() {
-    let Some(folder) = shared("hostile URDFs") else { return };
+    let Some(folder) = shared("hostile URDFs") else {
+        return;
+    };
     let folder = folder.join("hostile");
     let manifest = std::fs::read_to_string(folder.join("manifest.csv")).unwrap();
     let mut seen = 0;
@@ -48,7 +61,11 @@ fn hostile_files_get_what_the_manifest_says() {
         }
         seen += 1;
         let result = Robot::open(&folder.join(file));
-        let said = result.as_ref().err().map(ToString::to_string).unwrap_or_default();
+        let said = result
+            .as_ref()
+            .err()
+            .map(ToString::to_string)
+            .unwrap_or_default();
         println!("{file}: {said}");
         if expected.starts_with("load") {
             assert!(result.is_ok(), "{file}: {said}");
@@ -67,7 +84,12 @@ fn hostile_files_get_what_the_manifest_says() {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
 }
 
 fn pose(row_major: &[f64]) -> Isometry3<f64> {
@@ -81,16 +103,28 @@ fn pose(row_major: &[f64]) -> Isometry3<f64> {
 
 /// The oracle's joints are free where ours mimic; such cases cannot be compared joint by joint.
 fn order(robot: &Robot, names: &Value) -> Option<Vec<usize>> {
-    let names: Vec<&str> = names.as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
-    robot.joints().iter().map(|j| names.iter().position(|n| n == j)).collect::<Option<_>>()
+    let names: Vec<&str> = names
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|n| n.as_str().unwrap())
+        .collect();
+    robot
+        .joints()
+        .iter()
+        .map(|j| names.iter().position(|n| n == j))
+        .collect::<Option<_>>()
         .filter(|o: &Vec<usize>| o.len() == names.len())
 }
 
 fn compare(folder: &Path, file: &str, urdf: &Path) -> usize {
     let oracle: Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.join("oracle").join(file)).unwrap()).unwrap();
+        serde_json::from_str(&std::fs::read_to_string(folder.join("oracle").join(file)).unwrap())
+            .unwrap();
     let robot = Robot::open(urdf).unwrap();
-    let Some(order) = order(&robot, &oracle["joints_in_order_of_q"]) else { return 0 };
+    let Some(order) = order(&robot, &oracle["joints_in_order_of_q"]) else {
+        return 0;
+    };
     let mut dynamics = Dynamics::new(&robot);
     let mut compared = 0;
     for case in oracle["cases"].as_array().unwrap() {
@@ -105,11 +139,27 @@ fn compare(folder: &Path, file: &str, urdf: &Path) -> usize {
                 continue;
             }
             let expected = numbers(expected);
-            let translation = (found.translation.vector - pose(&expected).translation.vector).norm();
-            let rotation: f64 = found.rotation.to_rotation_matrix().into_inner().iter()
-                .zip(pose(&expected).rotation.to_rotation_matrix().into_inner().iter())
-                .map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(translation < 1e-10 && rotation < 1e-10, "{file} {}: {translation:e} m, {rotation:e}", link.name);
+            let translation =
+                (found.translation.vector - pose(&expected).translation.vector).norm();
+            let rotation: f64 = found
+                .rotation
+                .to_rotation_matrix()
+                .into_inner()
+                .iter()
+                .zip(
+                    pose(&expected)
+                        .rotation
+                        .to_rotation_matrix()
+                        .into_inner()
+                        .iter(),
+                )
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f64::max);
+            assert!(
+                translation < 1e-10 && rotation < 1e-10,
+                "{file} {}: {translation:e} m, {rotation:e}",
+                link.name
+            );
             compared += 1;
         }
         if let Some(expected) = case["rnea_tau"].as_array() {
@@ -117,7 +167,12 @@ fn compare(folder: &Path, file: &str, urdf: &Path) -> usize {
             let found = dynamics.inverse(&robot, &q, &arranged("v"), &arranged("a"), &GRAVITY);
             for (j, i) in order.iter().enumerate() {
                 let scale = expected.iter().fold(1.0, |s: f64, e| s.max(e.abs()));
-                assert!((found[j] - expected[*i]).abs() < 1e-10 * scale, "{file} joint {j}: {} {}", found[j], expected[*i]);
+                assert!(
+                    (found[j] - expected[*i]).abs() < 1e-10 * scale,
+                    "{file} joint {j}: {} {}",
+                    found[j],
+                    expected[*i]
+                );
             }
             compared += 1;
         }
@@ -127,18 +182,25 @@ fn compare(folder: &Path, file: &str, urdf: &Path) -> usize {
 
 #[test]
 fn poses_and_torques_agree_with_pinocchio() {
-    let Some(folder) = shared("Pinocchio's values") else { return };
+    let Some(folder) = shared("Pinocchio's values") else {
+        return;
+    };
     let mut compared = 0;
     for entry in std::fs::read_dir(folder.join("oracle")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let oracle: Value = match name.strip_suffix(".json") {
-            Some(_) => serde_json::from_str(&std::fs::read_to_string(folder.join("oracle").join(&name)).unwrap()).unwrap(),
+            Some(_) => serde_json::from_str(
+                &std::fs::read_to_string(folder.join("oracle").join(&name)).unwrap(),
+            )
+            .unwrap(),
             None => continue,
         };
         if oracle["joints_in_order_of_q"].is_null() {
             continue;
         }
-        let urdf = folder.join("robots").join(oracle["robot"].as_str().unwrap());
+        let urdf = folder
+            .join("robots")
+            .join(oracle["robot"].as_str().unwrap());
         let n = compare(&folder, &name, &urdf);
         println!("{name}: {n} values");
         compared += n;

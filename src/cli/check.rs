@@ -14,11 +14,13 @@ use crate::fourier::Derivative;
 
 /// Check a wave on a robot: position and velocity limits, self-collision.
 #[derive(Args)]
-#[command(after_help = "Limits are checked against rigorous bounds of the wave over its period; self-collision at samples so close that no\n\
+#[command(
+    after_help = "Limits are checked against rigorous bounds of the wave over its period; self-collision at samples so close that no\n\
     link moves more than --step between them. Exit code 3 when the wave does not pass.\n\n\
     Example:\n  \
     undulate check wave.json --robot wave_arm\n  \
-    undulate check wave.json --robot my.urdf --map my.toml --leave-out base:forearm")]
+    undulate check wave.json --robot my.urdf --map my.toml --leave-out base:forearm"
+)]
 pub(super) struct Arguments {
     /// The wave file.
     wave: PathBuf,
@@ -40,9 +42,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         .leave_out
         .iter()
         .map(|pair| {
-            pair.split_once(':').map(|(a, b)| (a.to_owned(), b.to_owned())).ok_or_else(|| {
-                Error::new(ErrorKind::Syntax, format!("--leave-out {pair}")).expected("LINK:LINK")
-            })
+            pair.split_once(':')
+                .map(|(a, b)| (a.to_owned(), b.to_owned()))
+                .ok_or_else(|| {
+                    Error::new(ErrorKind::Syntax, format!("--leave-out {pair}"))
+                        .expected("LINK:LINK")
+                })
         })
         .collect::<Result<Vec<_>>>()?;
     let collision = CollisionModel::new(&robot, &left_out).inspect_err(|_| {
@@ -52,7 +57,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         }
     })?;
     let verdict = Verdict::of(&robot, &collision, &wave, arguments.step)?;
-    for pair in collision.pairs().iter().filter(|p| p.status == PairStatus::TouchingAtRest) {
+    for pair in collision
+        .pairs()
+        .iter()
+        .filter(|p| p.status == PairStatus::TouchingAtRest)
+    {
         output::warn(format!(
             "{} and {} touch at rest already: no wave will pass; if that is by design, --leave-out {}:{}",
             pair.names.0, pair.names.1, pair.names.0, pair.names.1
@@ -76,7 +85,11 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         })).collect::<Vec<_>>(),
     });
     output::report(json, &value, || words(&verdict, &collision));
-    Ok(if verdict.passes() { Outcome::Done } else { Outcome::Refused })
+    Ok(if verdict.passes() {
+        Outcome::Done
+    } else {
+        Outcome::Refused
+    })
 }
 
 fn words(verdict: &Verdict, collision: &CollisionModel) -> String {
@@ -100,7 +113,11 @@ fn words(verdict: &Verdict, collision: &CollisionModel) -> String {
             c.clearance.pair.0, c.clearance.pair.1, c.time
         ),
     });
-    text.push_str(if verdict.passes() { "\npasses" } else { "\ndoes not pass" });
+    text.push_str(if verdict.passes() {
+        "\npasses"
+    } else {
+        "\ndoes not pass"
+    });
     text
 }
 
@@ -150,6 +167,10 @@ fn limit_row(limit: &LimitUse) -> Vec<String> {
         quantity(limit).to_owned(),
         format!("{} {unit}", range(limit.range)),
         format!("{} {unit}", range(limit.limit)),
-        if limit.excess() > 0.0 { format!("exceeded by {}", shown(limit.excess())) } else { "ok".to_owned() },
+        if limit.excess() > 0.0 {
+            format!("exceeded by {}", shown(limit.excess()))
+        } else {
+            "ok".to_owned()
+        },
     ]
 }

@@ -11,10 +11,12 @@ use crate::primitive::Observation;
 
 /// Condition a model on amplitudes, phases and postures.
 #[derive(Args)]
-#[command(after_help = "A condition is `modulus:JOINT:K=VALUE` (half the amplitude of harmonic K), `phase:JOINT:K=VALUE` or `offset:JOINT=VALUE`,\n\
+#[command(
+    after_help = "A condition is `modulus:JOINT:K=VALUE` (half the amplitude of harmonic K), `phase:JOINT:K=VALUE` or `offset:JOINT=VALUE`,\n\
     with a value in deg or rad.\n\n\
     Example:\n  \
-    undulate condition model.json --given modulus:elbow_flexion:10=5deg --given offset:wrist_deviation=0deg -o large.json")]
+    undulate condition model.json --given modulus:elbow_flexion:10=5deg --given offset:wrist_deviation=0deg -o large.json"
+)]
 pub(super) struct Arguments {
     /// The model file.
     model: PathBuf,
@@ -45,7 +47,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             observation.coordinate.to_string(),
             hertz.map_or(String::new(), |f| format!("{f:.2} Hz")),
             format!("{:.2} deg", observation.value.to_degrees()),
-            format!("{:.2} deg", observation.coordinate.value(primitive.gaussian().mean()[index]).to_degrees()),
+            format!(
+                "{:.2} deg",
+                observation
+                    .coordinate
+                    .value(primitive.gaussian().mean()[index])
+                    .to_degrees()
+            ),
         ]);
     }
     output::report(json, &value, || {

@@ -15,12 +15,14 @@ const MUCH_LEAKAGE: f64 = 0.05;
 
 /// Learn a movement primitive from recordings.
 #[derive(Args)]
-#[command(after_help = "Recordings are CSV files with a column `time_s` [s] and a column a joint [rad], one file a demonstration.\n\
+#[command(
+    after_help = "Recordings are CSV files with a column `time_s` [s] and a column a joint [rad], one file a demonstration.\n\
     Without any, the embedded synthetic demonstrator is learned.\n\n\
     Examples:\n  \
     undulate learn recordings/ -o model.json\n  \
     undulate learn a.csv b.csv c.csv --degrees --joints elbow,wrist -o model.json\n  \
-    undulate learn --list set.txt --root recordings --harmonics 30 -o model.json")]
+    undulate learn --list set.txt --root recordings --harmonics 30 -o model.json"
+)]
 pub(super) struct Arguments {
     /// CSV files, or folders of them.
     #[arg(value_name = "CSV|FOLDER")]
@@ -81,11 +83,18 @@ impl Arguments {
         let mut recordings = Vec::new();
         for file in &files {
             let recording = Recording::open(file, &options)?;
-            recordings.push(if self.remove_drift { recording.without_drift() } else { recording });
+            recordings.push(if self.remove_drift {
+                recording.without_drift()
+            } else {
+                recording
+            });
             bar.inc(1);
         }
         bar.finish_and_clear();
-        Demonstrations::new(recordings, self.duration.map_or(Duration::Auto, Duration::Seconds))
+        Demonstrations::new(
+            recordings,
+            self.duration.map_or(Duration::Auto, Duration::Seconds),
+        )
     }
 }
 
@@ -98,7 +107,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let tempo = demonstrations.highest_tempo();
 
     for left_out in demonstrations.left_out() {
-        output::warn(format!("{} is left out: it {}", left_out.name, left_out.reason));
+        output::warn(format!(
+            "{} is left out: it {}",
+            left_out.name, left_out.reason
+        ));
     }
     if highest < 2.0 * tempo {
         output::warn(format!(
@@ -107,7 +119,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             (2.0 * tempo * demonstrations.period()).ceil()
         ));
     }
-    let leaking = leakage.iter().filter(|l| l.residual_energy > MUCH_LEAKAGE).count();
+    let leaking = leakage
+        .iter()
+        .filter(|l| l.residual_energy > MUCH_LEAKAGE)
+        .count();
     if leaking > 0 {
         output::warn(format!(
             "{leaking} recordings leave more than {:.0} % of their energy beyond {} harmonics; --remove-drift or --harmonics may help",
@@ -117,7 +132,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     if let Some(folder) = &arguments.fits {
         for (i, wave) in waves.iter().enumerate() {
-            output::write(&folder.join(format!("fit_{i:04}.json")), wave.to_json().as_bytes())?;
+            output::write(
+                &folder.join(format!("fit_{i:04}.json")),
+                wave.to_json().as_bytes(),
+            )?;
         }
     }
     output::write(&arguments.output, primitive.to_json().as_bytes())?;
@@ -139,8 +157,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "rank": primitive.gaussian().rank(),
     });
     output::report(json, &value, || {
-        let worst = leakage.iter().max_by(|a, b| a.end_jump.total_cmp(&b.end_jump));
-        let leak = leakage.iter().map(|l| l.residual_energy).fold(0.0, f64::max);
+        let worst = leakage
+            .iter()
+            .max_by(|a, b| a.end_jump.total_cmp(&b.end_jump));
+        let leak = leakage
+            .iter()
+            .map(|l| l.residual_energy)
+            .fold(0.0, f64::max);
         let mut text = format!(
             "learned {} demonstrations of {} joints: T = {:.3} s, K = {} ({highest:.2} Hz), fastest tempo {tempo:.2} Hz",
             leakage.len(),

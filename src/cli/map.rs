@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
+use rand::distr::Distribution;
 use serde_json::json;
 
 use super::robot::{joint_map, robot};
@@ -10,12 +11,15 @@ use super::{Outcome, output, read_model};
 use crate::error::Result;
 use crate::figure::{Image, Poses};
 use crate::fourier::{Derivative, Interval, Wave};
+use crate::primitive::{FourierMovementPrimitive, stream};
 use crate::retarget::JointMap;
 use crate::robot::Robot;
 
-/// Side of a tile of the picture \[px\].
-const TILE: u32 = 480;
+/// Width and height of a tile of the picture \[px\].
+const TILE: (u32, u32) = (480, 400);
 const COLUMNS: usize = 4;
+/// Draws, of fixed seed, whose median range is shown.
+const DRAWS: u64 = 25;
 
 /// Write a joint map to start from, or look at one.
 #[derive(Args)]
@@ -51,24 +55,30 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let robot = robot(&arguments.robot)?;
     let learned = primitive.chart().joints();
     if arguments.init {
-        let path = arguments.output.clone().unwrap_or_else(|| "map.toml".into());
+        let path = arguments
+            .output
+            .clone()
+            .unwrap_or_else(|| "map.toml".into());
         output::write(&path, JointMap::template(learned, &robot).as_bytes())?;
         output::report(json, &json!({"map": path}), || {
-            format!("wrote {}: edit it, then look with `undulate map --show`", path.display())
+            format!(
+                "wrote {}: edit it, then look with `undulate map --show`",
+                path.display()
+            )
         });
         return Ok(Outcome::Done);
     }
     let map = joint_map(arguments.map.as_deref(), &arguments.robot, learned)?;
     let wave = map.apply(&primitive.mean_wave(), &robot)?;
-    let ranges: Vec<Interval> =
-        (0..robot.joints().len()).map(|j| wave.range(j, Derivative::Position)).collect();
+    let ranges = typical_ranges(&primitive, &map, &robot)?;
     let path = arguments.output.clone().unwrap_or_else(|| "map.png".into());
     output::write(&path, &picture(&robot, &wave, &ranges)?.to_png()?)?;
 
     let outside = |j: usize| {
-        robot.properties(j).position.is_some_and(|limit| {
-            ranges[j].lower < limit.lower || ranges[j].upper > limit.upper
-        })
+        robot
+            .properties(j)
+            .position
+            .is_some_and(|limit| ranges[j].lower < limit.lower || ranges[j].upper > limit.upper)
     };
     let value = json!({
         "picture": path,
@@ -89,30 +99,70 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 output::degrees(wave.offsets()[j]),
                 span(ranges[j]),
                 robot.properties(j).position.map_or("none".into(), span),
-                if outside(j) { "outside".into() } else { String::new() },
+                if outside(j) {
+                    "outside".into()
+                } else {
+                    String::new()
+                },
             ]
         })
         .collect();
     output::report(json, &value, || {
         format!(
             "{}\nwrote {}",
-            output::table(&["joint [deg]", "mean", "mean wave", "limit", ""], &rows),
+            output::table(&["joint [deg]", "mean", "typical wave", "limit", ""], &rows),
             path.display()
         )
     });
     Ok(Outcome::Done)
 }
 
+/// For each robot joint, the medians over draws of the lowest and highest position.
+fn typical_ranges(
+    primitive: &FourierMovementPrimitive,
+    map: &JointMap,
+    robot: &Robot,
+) -> Result<Vec<Interval>> {
+    let waves = (0..DRAWS)
+        .map(|k| map.apply(&primitive.sample(&mut stream(0, k)), robot))
+        .collect::<Result<Vec<Wave>>>()?;
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let joints = 0..robot.joints().len();
+    Ok(joints
+        .map(|j| {
+            let ranges: Vec<Interval> = waves
+                .iter()
+                .map(|w| w.range(j, Derivative::Position))
+                .collect();
+            Interval {
+                lower: median(ranges.iter().map(|r| r.lower).collect()),
+                upper: median(ranges.iter().map(|r| r.upper).collect()),
+            }
+        })
+        .collect())
+}
+
 fn span(interval: Interval) -> String {
-    format!("{} .. {}", output::degrees(interval.lower), output::degrees(interval.upper))
+    format!(
+        "{} .. {}",
+        output::degrees(interval.lower),
+        output::degrees(interval.upper)
+    )
 }
 
 /// A tile of the mean posture, then one a joint, from the lower end of its range (pale) to the upper (solid).
 fn picture(robot: &Robot, wave: &Wave, ranges: &[Interval]) -> Result<Image> {
     let posture: Vec<f64> = wave.offsets().iter().copied().collect();
     let tile = |configurations: &[Vec<f64>], caption: &str| {
-        let poses = Poses { robot, configurations, path: configurations };
-        poses.draw((TILE, TILE))?.captioned(caption)
+        let poses = Poses {
+            robot,
+            configurations,
+            path: configurations,
+        };
+        poses.draw(TILE)?.captioned(caption)
     };
     let mut tiles = vec![tile(std::slice::from_ref(&posture), "mean posture")?];
     for (j, joint) in robot.joints().iter().enumerate() {

@@ -10,7 +10,7 @@ mod robot;
 mod sample;
 mod simulate;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -88,12 +88,14 @@ fn read_text(path: &Path) -> Result<String> {
 
 fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
     FourierMovementPrimitive::from_json(&read_text(path)?).map_err(|e| {
-        e.help("`undulate learn` writes a model file").at(path.display().to_string())
+        e.help("`undulate learn` writes a model file")
+            .at(path.display().to_string())
     })
 }
 
-fn read_wave(path: &PathBuf) -> Result<Wave> {
+fn read_wave(path: &Path) -> Result<Wave> {
     Wave::from_json(&read_text(path)?).map_err(|e| {
-        e.help("`undulate sample` draws wave files from a model").at(path.display().to_string())
+        e.help("`undulate sample` draws wave files from a model")
+            .at(path.display().to_string())
     })
 }

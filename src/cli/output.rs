@@ -25,7 +25,12 @@ pub(super) fn report(json: bool, value: &Value, words: impl FnOnce() -> String) 
 
 /// Something that the user should know and that stops nothing.
 pub(super) fn warn(text: impl AsRef<str>) {
-    let _ = writeln!(std::io::stderr(), "{}: {}", painted("warning", "33"), text.as_ref());
+    let _ = writeln!(
+        std::io::stderr(),
+        "{}: {}",
+        painted("warning", "33"),
+        text.as_ref()
+    );
 }
 
 pub(super) fn failure(error: &Error) {
@@ -71,8 +76,14 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// A table with a header, its first column to the left and the others to the right.
 pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count());
-        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+        let cells = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|c| c.chars().count());
+        cells
+            .chain([header[column].chars().count()])
+            .max()
+            .unwrap_or(0)
     };
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     let line = |cells: &[String]| {
@@ -81,7 +92,11 @@ pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
             .zip(&widths)
             .enumerate()
             .map(|(i, (cell, width))| {
-                if i == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                if i == 0 {
+                    format!("{cell:<width$}")
+                } else {
+                    format!("{cell:>width$}")
+                }
             })
             .collect();
         padded.join("  ").trim_end().to_owned()

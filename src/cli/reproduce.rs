@@ -30,8 +30,10 @@ const CENTROID_FROM: usize = 7;
 const STEP: f64 = 0.002;
 /// Draws after which a condition is given up.
 const MOST_DRAWS: u64 = 1000;
-/// Overlaid poses of figure 3, and the part of the period they span.
+/// Overlaid poses of a panel of figure 3.
 const GHOSTS: usize = 9;
+/// Width and height of a panel \[px\].
+const POSES: (u32, u32) = (900, 720);
 
 /// Learn, condition, sample, check and execute the paper's waves; draw its figures.
 #[derive(Args)]
@@ -72,13 +74,26 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let robot = shipped::robot("wave_arm")?;
     let collision = CollisionModel::new(&robot, &[])?;
     let map = shipped::map("wave_arm_demonstrator")?;
-    let bench = Bench { robot: &robot, collision: &collision, map: &map, seed: arguments.seed };
+    let bench = Bench {
+        robot: &robot,
+        collision: &collision,
+        map: &map,
+        seed: arguments.seed,
+    };
     bar.inc(1);
     bar.set_message("executing, elbow-conditioned");
-    let elbow = bench.case(&primitive, "elbow", Observation::modulus(ELBOW, 10, 5f64.to_radians()))?;
+    let elbow = bench.case(
+        &primitive,
+        "elbow",
+        Observation::modulus(ELBOW, 10, 5f64.to_radians()),
+    )?;
     bar.inc(1);
     bar.set_message("executing, wrist-conditioned");
-    let wrist = bench.case(&primitive, "wrist", Observation::modulus(WRIST, 20, 4f64.to_radians()))?;
+    let wrist = bench.case(
+        &primitive,
+        "wrist",
+        Observation::modulus(WRIST, 20, 4f64.to_radians()),
+    )?;
     bar.inc(1);
 
     bar.set_message("drawing");
@@ -93,22 +108,33 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     )?;
     bar.inc(1);
     let figure3 = Image::beside(&[
-        poses(&robot, &elbow, "elbow-conditioned: |w_10| of the elbow 5°")?,
-        poses(&robot, &wrist, "wrist-conditioned: |w_20| of the wrist 4°")?,
+        poses(&robot, &elbow, "elbow-conditioned, |w₁₀| = 5°")?,
+        poses(&robot, &wrist, "wrist-conditioned, |w₂₀| = 4°")?,
     ])?
     .to_png()?;
     bar.inc(1);
 
     let claims = claims(&primitive, &elbow, &wrist)?;
-    let report = report(arguments.seed, &demonstrations, &claims, &primitive, &[&elbow, &wrist])?;
+    let report = report(
+        arguments.seed,
+        &demonstrations,
+        &claims,
+        &primitive,
+        &[&elbow, &wrist],
+    )?;
     let pretty = serde_json::to_string_pretty(&report)
         .map_err(|e| Error::new(ErrorKind::Io, e.to_string()))?;
     save(arguments, "figure1", &figure1)?;
     save(arguments, "figure2", &figure2)?;
     output::write(&arguments.out.join("figure3.png"), &figure3)?;
-    output::write(&arguments.out.join("report.json"), format!("{pretty}\n").as_bytes())?;
+    output::write(
+        &arguments.out.join("report.json"),
+        format!("{pretty}\n").as_bytes(),
+    )?;
     bar.finish_and_clear();
-    output::report(json, &report, || words(arguments, &claims, &[&elbow, &wrist]));
+    output::report(json, &report, || {
+        words(arguments, &claims, &[&elbow, &wrist])
+    });
     Ok(Outcome::Done)
 }
 
@@ -123,13 +149,28 @@ impl Bench<'_> {
         let mut draws = 0;
         let (first, verdict) = self.redraw(&primitive, &mut draws)?;
         let (second, _) = self.redraw(&primitive, &mut draws)?;
-        let rollout =
-            track(self.robot, &self.map.apply(&first, self.robot)?, &TrackOptions::default())?;
-        Ok(Case { name, observation, primitive, waves: vec![first, second], draws, verdict, rollout })
+        let rollout = track(
+            self.robot,
+            &self.map.apply(&first, self.robot)?,
+            &TrackOptions::default(),
+        )?;
+        Ok(Case {
+            name,
+            observation,
+            primitive,
+            waves: vec![first, second],
+            draws,
+            verdict,
+            rollout,
+        })
     }
 
     /// The next draw that breaks no limit and touches nothing.
-    fn redraw(&self, primitive: &FourierMovementPrimitive, draws: &mut u64) -> Result<(Wave, Verdict)> {
+    fn redraw(
+        &self,
+        primitive: &FourierMovementPrimitive,
+        draws: &mut u64,
+    ) -> Result<(Wave, Verdict)> {
         while *draws < MOST_DRAWS {
             let wave = primitive.sample(&mut stream(self.seed, *draws));
             *draws += 1;
@@ -139,8 +180,11 @@ impl Bench<'_> {
                 return Ok((wave, verdict));
             }
         }
-        Err(Error::new(ErrorKind::Infeasible, format!("none of {MOST_DRAWS} draws is executable"))
-            .expected("a wave within the robot's limits"))
+        Err(Error::new(
+            ErrorKind::Infeasible,
+            format!("none of {MOST_DRAWS} draws is executable"),
+        )
+        .expected("a wave within the robot's limits"))
     }
 }
 
@@ -153,13 +197,18 @@ struct Claim {
 }
 
 fn claims(prior: &FourierMovementPrimitive, elbow: &Case, wrist: &Case) -> Result<Vec<Claim>> {
-    let share = elbow.primitive.median_modulus(WRIST, 10)? / elbow.primitive.median_modulus(ELBOW, 10)?;
+    let share =
+        elbow.primitive.median_modulus(WRIST, 10)? / elbow.primitive.median_modulus(ELBOW, 10)?;
     let ratio = |p: &FourierMovementPrimitive| -> Result<f64> {
         Ok(p.median_modulus(ELBOW, 20)? / p.median_modulus(ELBOW, 10)?)
     };
     let rise = ratio(&wrist.primitive)? / ratio(prior)?;
     let shift = centroid(&wrist.primitive)? - centroid(prior)?;
-    let rms = elbow.rollout.rms_error().max().max(wrist.rollout.rms_error().max());
+    let rms = elbow
+        .rollout
+        .rms_error()
+        .max()
+        .max(wrist.rollout.rms_error().max());
     let clearance = [elbow, wrist]
         .iter()
         .filter_map(|c| c.verdict.collision.as_ref())
@@ -216,13 +265,17 @@ fn figure1(
     elbow: &Case,
     wrist: &Case,
 ) -> Result<Picture> {
-    let of = |label, color, primitive| Labelled { label, color, primitive };
+    let of = |label, color, primitive| Labelled {
+        label,
+        color,
+        primitive,
+    };
     spectra(
         fits,
         &[
             of("unconditioned", Color::GREY, prior),
-            of("elbow |w_10| = 5°", Color::BLUE, &elbow.primitive),
-            of("wrist |w_20| = 4°", Color::VERMILION, &wrist.primitive),
+            of("elbow |w₁₀| = 5°", Color::BLUE, &elbow.primitive),
+            of("wrist |w₂₀| = 4°", Color::VERMILION, &wrist.primitive),
         ],
         &PANELS,
         (1400, 520),
@@ -236,7 +289,11 @@ fn poses(robot: &Robot, case: &Case, caption: &str) -> Result<Image> {
     let row = |n: usize| -> Vec<f64> { rollout.position.row(n).iter().copied().collect() };
     let tip = robot.tip();
     let sideways: Vec<f64> = (0..rollout.times.len())
-        .map(|n| (robot.body_poses(&row(n))[tip.body] * tip.pose).translation.y)
+        .map(|n| {
+            (robot.body_poses(&row(n))[tip.body] * tip.pose)
+                .translation
+                .y
+        })
         .collect();
     let (from, to) = widest_swing(&sideways);
     let configurations: Vec<Vec<f64>> = (0..GHOSTS)
@@ -247,7 +304,13 @@ fn poses(robot: &Robot, case: &Case, caption: &str) -> Result<Image> {
         .step_by(4)
         .map(row)
         .collect();
-    Poses { robot, configurations: &configurations, path: &path }.draw((900, 900))?.captioned(caption)
+    Poses {
+        robot,
+        configurations: &configurations,
+        path: &path,
+    }
+    .draw(POSES)?
+    .captioned(caption)
 }
 
 /// Neighbouring turning points of a signal that are farthest apart in value, away from its ends.
@@ -266,7 +329,10 @@ fn widest_swing(signal: &[f64]) -> (usize, usize) {
 }
 
 fn save(arguments: &Arguments, name: &str, picture: &Picture) -> Result<()> {
-    output::write(&arguments.out.join(format!("{name}.svg")), picture.svg.as_bytes())?;
+    output::write(
+        &arguments.out.join(format!("{name}.svg")),
+        picture.svg.as_bytes(),
+    )?;
     output::write(&arguments.out.join(format!("{name}.png")), &picture.png)
 }
 
@@ -318,7 +384,13 @@ fn report(
 }
 
 fn words(arguments: &Arguments, claims: &[Claim], cases: &[&Case]) -> String {
-    let number = |x: f64| if x.abs() < 0.01 { format!("{x:.1e}") } else { format!("{x:.2}") };
+    let number = |x: f64| {
+        if x.abs() < 0.01 {
+            format!("{x:.1e}")
+        } else {
+            format!("{x:.2}")
+        }
+    };
     let rows: Vec<Vec<String>> = claims
         .iter()
         .map(|c| {
@@ -326,7 +398,11 @@ fn words(arguments: &Arguments, claims: &[Claim], cases: &[&Case]) -> String {
                 c.text.to_owned(),
                 c.expected.to_owned(),
                 number(c.found),
-                if c.holds { "holds".into() } else { "does not hold".into() },
+                if c.holds {
+                    "holds".into()
+                } else {
+                    "does not hold".into()
+                },
             ]
         })
         .collect();

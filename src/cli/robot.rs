@@ -28,11 +28,12 @@ pub(super) fn robot(name: &str) -> Result<Robot> {
         return Robot::open(path);
     }
     shipped::robot(name).map_err(|e| match e.kind() {
-        ErrorKind::Name => Error::new(ErrorKind::Name, format!("no robot `{name}`"))
-            .expected(format!(
+        ErrorKind::Name => {
+            Error::new(ErrorKind::Name, format!("no robot `{name}`")).expected(format!(
                 "a URDF file, or a shipped robot: {}",
                 shipped::robots().collect::<Vec<_>>().join(", ")
-            )),
+            ))
+        }
         _ => e,
     })
 }
@@ -40,7 +41,11 @@ pub(super) fn robot(name: &str) -> Result<Robot> {
 /// The map for waves of `learned` joints on a robot.
 pub(super) fn joint_map(name: Option<&str>, robot: &str, learned: &Joints) -> Result<JointMap> {
     let Some(name) = name else {
-        let found = if Path::new(robot).is_file() { None } else { shipped::map_for(robot, learned)? };
+        let found = if Path::new(robot).is_file() {
+            None
+        } else {
+            shipped::map_for(robot, learned)?
+        };
         return Ok(found.map_or_else(JointMap::default, |(_, map)| map));
     };
     let path = PathBuf::from(name);
@@ -61,6 +66,9 @@ pub(super) fn joint_map(name: Option<&str>, robot: &str, learned: &Joints) -> Re
 impl RobotArguments {
     /// The robot, and the map for waves of `learned` joints on it.
     pub fn load(&self, learned: &Joints) -> Result<(Robot, JointMap)> {
-        Ok((robot(&self.robot)?, joint_map(self.map.as_deref(), &self.robot, learned)?))
+        Ok((
+            robot(&self.robot)?,
+            joint_map(self.map.as_deref(), &self.robot, learned)?,
+        ))
     }
 }

@@ -13,10 +13,12 @@ use crate::primitive::{Observation, stream};
 
 /// Draw waves from a model.
 #[derive(Args)]
-#[command(after_help = "Sample number i of a seed is the same wave on every machine, however many are drawn.\n\n\
+#[command(
+    after_help = "Sample number i of a seed is the same wave on every machine, however many are drawn.\n\n\
     Examples:\n  \
     undulate sample model.json --seed 7 -o wave.json\n  \
-    undulate sample model.json -n 20 --seed 7 --given modulus:elbow_flexion:10=5deg --csv 100 -o waves/")]
+    undulate sample model.json -n 20 --seed 7 --given modulus:elbow_flexion:10=5deg --csv 100 -o waves/"
+)]
 pub(super) struct Arguments {
     /// The model file.
     model: PathBuf,
@@ -43,9 +45,15 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let is_file = arguments.output.extension().is_some_and(|e| e == "json");
     if arguments.count == 0 || (is_file && arguments.count != 1) {
-        return Err(Error::new(ErrorKind::Value, format!("{} waves", arguments.count)).expected(
-            if is_file { "1 for a file; name a folder for more" } else { "at least 1" },
-        ));
+        return Err(
+            Error::new(ErrorKind::Value, format!("{} waves", arguments.count)).expected(
+                if is_file {
+                    "1 for a file; name a folder for more"
+                } else {
+                    "at least 1"
+                },
+            ),
+        );
     }
     let rows = match arguments.csv {
         Some(rate) if !(rate > 0.0 && rate <= 1e6) => {
@@ -58,9 +66,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let bar = output::progress(arguments.count, "drawing waves");
     let mut files = Vec::new();
     for i in 0..arguments.count {
-        let index = arguments.first.checked_add(i).ok_or_else(|| {
-            Error::new(ErrorKind::Value, "--first is too large")
-        })?;
+        let index = arguments
+            .first
+            .checked_add(i)
+            .ok_or_else(|| Error::new(ErrorKind::Value, "--first is too large"))?;
         let wave = primitive.sample(&mut stream(arguments.seed, index));
         let path = if is_file {
             arguments.output.clone()
@@ -69,16 +78,24 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         };
         output::write(&path, wave.to_json().as_bytes())?;
         if let Some(rate) = rows {
-            output::write(&path.with_extension("csv"), table(&wave, rate, &path)?.as_bytes())?;
+            output::write(
+                &path.with_extension("csv"),
+                table(&wave, rate, &path)?.as_bytes(),
+            )?;
         }
         files.push(path);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let value = json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "waves": files});
+    let value =
+        json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "waves": files});
     output::report(json, &value, || match files.as_slice() {
         [one] => format!("wrote {}", one.display()),
-        _ => format!("wrote {} waves into {}", files.len(), arguments.output.display()),
+        _ => format!(
+            "wrote {} waves into {}",
+            files.len(),
+            arguments.output.display()
+        ),
     });
     Ok(Outcome::Done)
 }
@@ -88,7 +105,8 @@ fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {
     let grid = PeriodGrid::new(points, wave.harmonics());
     let positions = wave.on_grid(&grid, Derivative::Position);
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let fail = |e: csv::Error| Error::new(ErrorKind::Io, e.to_string()).at(path.display().to_string());
+    let fail =
+        |e: csv::Error| Error::new(ErrorKind::Io, e.to_string()).at(path.display().to_string());
     let header = std::iter::once("time_s").chain(wave.joints().iter().map(String::as_str));
     writer.write_record(header).map_err(fail)?;
     for (n, t) in grid.times(wave.period()).iter().enumerate() {
@@ -96,6 +114,8 @@ fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {
         let row = std::iter::once(t).chain(&positions).map(f64::to_string);
         writer.write_record(row).map_err(fail)?;
     }
-    let bytes = writer.into_inner().map_err(|e| Error::new(ErrorKind::Io, e.to_string()))?;
+    let bytes = writer
+        .into_inner()
+        .map_err(|e| Error::new(ErrorKind::Io, e.to_string()))?;
     String::from_utf8(bytes).map_err(|e| Error::new(ErrorKind::Io, e.to_string()))
 }

@@ -14,9 +14,11 @@ use crate::simulation::{Rollout, TrackOptions, track};
 
 /// Execute a wave on a robot in simulation.
 #[derive(Args)]
-#[command(after_help = "The robot is a Rapier multibody under gravity with the effort limits and damping of its URDF.\n\n\
+#[command(
+    after_help = "The robot is a Rapier multibody under gravity with the effort limits and damping of its URDF.\n\n\
     Example:\n  \
-    undulate simulate wave.json --robot wave_arm -o rollout.csv")]
+    undulate simulate wave.json --robot wave_arm -o rollout.csv"
+)]
 pub(super) struct Arguments {
     /// The wave file.
     wave: PathBuf,
@@ -58,7 +60,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let contact = match CollisionModel::new(&robot, &[]) {
         Ok(collision) => rollout.position.row_iter().enumerate().find_map(|(n, q)| {
             let q: Vec<f64> = q.iter().copied().collect();
-            collision.collision(&robot, &q).map(|pair| (rollout.times[n], pair.names.clone()))
+            collision
+                .collision(&robot, &q)
+                .map(|pair| (rollout.times[n], pair.names.clone()))
         }),
         Err(error) => {
             output::warn(format!("self-collision is not looked at: {error}"));
@@ -93,14 +97,26 @@ fn broken(limit: &LimitUse) -> String {
     format!(
         "joint `{}` leaves its {} limit by {:.3} {}; the simulated motor will be stopped by it, a real one may not be",
         limit.joint,
-        if limit.quantity.order() == 0 { "position" } else { "velocity" },
+        if limit.quantity.order() == 0 {
+            "position"
+        } else {
+            "velocity"
+        },
         limit.excess(),
-        if limit.quantity.order() == 0 { "rad" } else { "rad/s" },
+        if limit.quantity.order() == 0 {
+            "rad"
+        } else {
+            "rad/s"
+        },
     )
 }
 
 pub(super) fn rollout_json(rollout: &Rollout) -> serde_json::Value {
-    let (rms, peak, torque) = (rollout.rms_error(), rollout.peak_error(), rollout.peak_torque());
+    let (rms, peak, torque) = (
+        rollout.rms_error(),
+        rollout.peak_error(),
+        rollout.peak_torque(),
+    );
     rollout
         .joints
         .iter()
@@ -118,7 +134,11 @@ pub(super) fn rollout_json(rollout: &Rollout) -> serde_json::Value {
 }
 
 pub(super) fn rollout_table(rollout: &Rollout) -> String {
-    let (rms, peak, torque) = (rollout.rms_error(), rollout.peak_error(), rollout.peak_torque());
+    let (rms, peak, torque) = (
+        rollout.rms_error(),
+        rollout.peak_error(),
+        rollout.peak_torque(),
+    );
     let rows: Vec<Vec<String>> = rollout
         .joints
         .iter()
@@ -133,5 +153,14 @@ pub(super) fn rollout_table(rollout: &Rollout) -> String {
             ]
         })
         .collect();
-    output::table(&["joint", "rms error", "peak error", "peak torque", "steps saturated"], &rows)
+    output::table(
+        &[
+            "joint",
+            "rms error",
+            "peak error",
+            "peak torque",
+            "steps saturated",
+        ],
+        &rows,
+    )
 }

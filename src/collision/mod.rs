@@ -41,7 +41,10 @@ pub struct Pair {
 impl Pair {
     /// Whether it is checked.
     pub fn is_checked(&self) -> bool {
-        matches!(self.status, PairStatus::Checked | PairStatus::TouchingAtRest)
+        matches!(
+            self.status,
+            PairStatus::Checked | PairStatus::TouchingAtRest
+        )
     }
 }
 
@@ -86,7 +89,10 @@ impl CollisionModel {
             return Err(here(
                 Error::new(
                     ErrorKind::Unsupported,
-                    format!("{} collision meshes are not read, first {first}", unread.len()),
+                    format!(
+                        "{} collision meshes are not read, first {first}",
+                        unread.len()
+                    ),
                 )
                 .expected("boxes, spheres, cylinders and capsules as collision shapes")
                 .help("replace the meshes by primitives; limits and simulation work without"),
@@ -99,8 +105,11 @@ impl CollisionModel {
             .collect();
         if shapes.iter().filter(|s| !s.is_empty()).count() < 2 {
             return Err(here(
-                Error::new(ErrorKind::Infeasible, "fewer than two bodies have collision shapes")
-                    .help("add <collision> elements to the URDF"),
+                Error::new(
+                    ErrorKind::Infeasible,
+                    "fewer than two bodies have collision shapes",
+                )
+                .help("add <collision> elements to the URDF"),
             ));
         }
         let body_of = |name: &String| {
@@ -109,7 +118,12 @@ impl CollisionModel {
                 .iter()
                 .find(|l| l.name == *name)
                 .map(|l| l.body)
-                .ok_or_else(|| here(Error::new(ErrorKind::Name, format!("no link `{name}` to leave out"))))
+                .ok_or_else(|| {
+                    here(Error::new(
+                        ErrorKind::Name,
+                        format!("no link `{name}` to leave out"),
+                    ))
+                })
         };
         let left_out = left_out
             .iter()
@@ -131,7 +145,10 @@ impl CollisionModel {
                 };
                 pairs.push(Pair {
                     bodies: (a, b),
-                    names: (robot.bodies()[a].name.clone(), robot.bodies()[b].name.clone()),
+                    names: (
+                        robot.bodies()[a].name.clone(),
+                        robot.bodies()[b].name.clone(),
+                    ),
                     status,
                 });
             }
@@ -172,10 +189,11 @@ impl CollisionModel {
 
     /// The smallest distance between checked bodies at configuration `q`; `None` when no pair is checked.
     pub fn clearance(&self, robot: &Robot, q: &[f64]) -> Option<Clearance> {
-        self.nearest(&robot.body_poses(q), f64::INFINITY).map(|(distance, pair)| Clearance {
-            distance,
-            pair: pair.names.clone(),
-        })
+        self.nearest(&robot.body_poses(q), f64::INFINITY)
+            .map(|(distance, pair)| Clearance {
+                distance,
+                pair: pair.names.clone(),
+            })
     }
 
     fn checked(&self) -> impl Iterator<Item = &Pair> {
@@ -222,11 +240,18 @@ impl Part {
     fn new(solid: &Solid) -> Self {
         let upright = Isometry3::rotation(nalgebra::Vector3::x() * std::f64::consts::FRAC_PI_2);
         let (shape, turn) = match &solid.shape {
-            Shape::Box { half_extents: h } => (SharedShape::cuboid(h.x, h.y, h.z), Isometry3::identity()),
+            Shape::Box { half_extents: h } => {
+                (SharedShape::cuboid(h.x, h.y, h.z), Isometry3::identity())
+            }
             Shape::Sphere { radius } => (SharedShape::ball(*radius), Isometry3::identity()),
             // parry's cylinders stand along y.
-            Shape::Cylinder { radius, length } => (SharedShape::cylinder(length / 2.0, *radius), upright),
-            Shape::Capsule { radius, length } => (SharedShape::capsule_z(length / 2.0, *radius), Isometry3::identity()),
+            Shape::Cylinder { radius, length } => {
+                (SharedShape::cylinder(length / 2.0, *radius), upright)
+            }
+            Shape::Capsule { radius, length } => (
+                SharedShape::capsule_z(length / 2.0, *radius),
+                Isometry3::identity(),
+            ),
         };
         Self {
             shape,
@@ -245,7 +270,10 @@ impl Part {
 /// parry speaks glam.
 fn pose(isometry: &Isometry3<f64>) -> Pose {
     let (t, r) = (&isometry.translation.vector, &isometry.rotation.coords);
-    Pose::from_parts(Vector::new(t.x, t.y, t.z), Rotation::from_xyzw(r.x, r.y, r.z, r.w))
+    Pose::from_parts(
+        Vector::new(t.x, t.y, t.z),
+        Rotation::from_xyzw(r.x, r.y, r.z, r.w),
+    )
 }
 
 #[cfg(test)]
@@ -254,9 +282,12 @@ mod tests {
 
     /// Two spheres of 0.1 m, 1 m from a common post, turning about it by q0 and q1, and a bead on the post.
     fn carousel() -> Robot {
-        let arm = |name: &str| format!(
-            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#);
+        let arm = |name: &str| {
+            format!(
+                r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
+            )
+        };
         Robot::from_urdf(&format!(
             r#"<robot name="carousel"><link name="post"><collision><geometry><cylinder radius="0.2" length="1"/></geometry></collision></link>{}{}</robot>"#,
             arm("one"), arm("two")
@@ -271,7 +302,10 @@ mod tests {
         for angle in [0.3, 1.0, 2.0, 3.1_f64] {
             let expected = 2.0 * (angle / 2.0).sin() - 0.2;
             let clearance = model.clearance(&robot, &[0.4, 0.4 + angle]).unwrap();
-            assert!((clearance.distance - expected).abs() < 1e-12, "{clearance:?}");
+            assert!(
+                (clearance.distance - expected).abs() < 1e-12,
+                "{clearance:?}"
+            );
             assert_eq!(clearance.pair, ("one".into(), "two".into()));
             assert!(model.collision(&robot, &[0.4, 0.4 + angle]).is_none());
         }
@@ -283,12 +317,22 @@ mod tests {
     fn pairs_say_why_they_are_checked() {
         let robot = carousel();
         let status = |left_out: &[(String, String)]| -> Vec<PairStatus> {
-            CollisionModel::new(&robot, left_out).unwrap().pairs().iter().map(|p| p.status).collect()
+            CollisionModel::new(&robot, left_out)
+                .unwrap()
+                .pairs()
+                .iter()
+                .map(|p| p.status)
+                .collect()
         };
         use PairStatus::{Adjacent, LeftOut, TouchingAtRest};
         assert_eq!(status(&[]), [Adjacent, Adjacent, TouchingAtRest]);
-        assert_eq!(status(&[("two".into(), "one".into())]), [Adjacent, Adjacent, LeftOut]);
-        let error = CollisionModel::new(&robot, &[("two".into(), "ghost".into())]).err().unwrap();
+        assert_eq!(
+            status(&[("two".into(), "one".into())]),
+            [Adjacent, Adjacent, LeftOut]
+        );
+        let error = CollisionModel::new(&robot, &[("two".into(), "ghost".into())])
+            .err()
+            .unwrap();
         assert!(error.to_string().contains("no link `ghost`"));
     }
 
@@ -314,6 +358,11 @@ mod tests {
         )
         .unwrap();
         let error = CollisionModel::new(&robot, &[]).err().unwrap();
-        assert!(error.to_string().contains("link `b`: mesh package://x/b.stl"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("link `b`: mesh package://x/b.stl"),
+            "{error}"
+        );
     }
 }

@@ -39,18 +39,21 @@ impl Recording {
         let name = name.into();
         let check = || {
             if times.len() < 2 {
-                return Err(Error::new(
-                    ErrorKind::Shape,
-                    format!("{} samples", times.len()),
-                )
-                .expected("at least two"));
+                return Err(
+                    Error::new(ErrorKind::Shape, format!("{} samples", times.len()))
+                        .expected("at least two"),
+                );
             }
             if positions.nrows() != times.len() || positions.ncols() != joints.len() {
                 return Err(Error::new(
                     ErrorKind::Shape,
                     format!("positions of {} x {}", positions.nrows(), positions.ncols()),
                 )
-                .expected(format!("{} times x {} joints", times.len(), joints.len())));
+                .expected(format!(
+                    "{} times x {} joints",
+                    times.len(),
+                    joints.len()
+                )));
             }
             for (n, t) in times.iter().enumerate() {
                 if !t.is_finite() {
@@ -277,8 +280,16 @@ impl Recording {
         }
         let last = self.times.len() - 1;
         let (joint, end_jump) = (0..self.joints.len())
-            .map(|d| (d, (self.positions[(last, d)] - self.positions[(0, d)]).abs()))
-            .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+            .map(|d| {
+                (
+                    d,
+                    (self.positions[(last, d)] - self.positions[(0, d)]).abs(),
+                )
+            })
+            .fold(
+                (0, 0.0),
+                |best, next| if next.1 > best.1 { next } else { best },
+            );
         Leakage {
             name: self.name.clone(),
             residual_energy: left / energy,
@@ -307,8 +318,7 @@ mod tests {
     fn a_line_is_removed_and_its_middle_stays() {
         let times: Vec<f64> = (0..50).map(|n| 0.1 * f64::from(n)).collect();
         let positions = DMatrix::from_fn(50, 1, |n, _| 0.4 + 0.3 * times[n]);
-        let straight =
-            Recording::new("r", Joints::new(["a"]).unwrap(), times, positions).unwrap();
+        let straight = Recording::new("r", Joints::new(["a"]).unwrap(), times, positions).unwrap();
         let flat = straight.without_drift();
         let middle = 0.4 + 0.3 * 2.45;
         assert!(flat.positions.iter().all(|p| (p - middle).abs() < 1e-12));
@@ -325,7 +335,11 @@ mod tests {
         .unwrap();
         let error =
             Demonstrations::new(vec![still.clone(), still], Duration::Seconds(1.0)).unwrap_err();
-        assert!(error.to_string().starts_with("still.csv, joint `a`: the joint never moves"));
+        assert!(
+            error
+                .to_string()
+                .starts_with("still.csv, joint `a`: the joint never moves")
+        );
         let other = Recording::new(
             "other.csv",
             Joints::new(["b"]).unwrap(),
@@ -333,9 +347,12 @@ mod tests {
             DMatrix::zeros(2, 1),
         )
         .unwrap();
-        let error = Demonstrations::new(vec![recording("r", 1.0, 4.0), other], Duration::Auto)
-            .unwrap_err();
-        assert!(error.to_string().starts_with("other.csv: joints b"), "{error}");
+        let error =
+            Demonstrations::new(vec![recording("r", 1.0, 4.0), other], Duration::Auto).unwrap_err();
+        assert!(
+            error.to_string().starts_with("other.csv: joints b"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -353,6 +370,9 @@ mod tests {
         )
         .unwrap();
         let leakage = &cut.leakage(&cut.fit(12).unwrap())[0];
-        assert!(leakage.end_jump > 0.9 && leakage.residual_energy > 1e-3, "{leakage:?}");
+        assert!(
+            leakage.end_jump > 0.9 && leakage.residual_energy > 1e-3,
+            "{leakage:?}"
+        );
     }
 }

@@ -56,7 +56,10 @@ impl Recording {
         let mut files = Vec::new();
         for entry in entries {
             let path = entry.map_err(|e| Error::io(folder, &e))?.path();
-            if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")) {
+            if path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+            {
                 files.push(path);
             }
         }
@@ -85,13 +88,12 @@ impl Recording {
             }
             let path = root.join(line);
             if !path.is_file() {
-                return Err(Error::new(
-                    ErrorKind::Io,
-                    format!("no file {}", path.display()),
-                )
-                .help("entries resolve against --root, by default the folder of the list")
-                .at(format!("line {}", i + 1))
-                .at(list.display().to_string()));
+                return Err(
+                    Error::new(ErrorKind::Io, format!("no file {}", path.display()))
+                        .help("entries resolve against --root, by default the folder of the list")
+                        .at(format!("line {}", i + 1))
+                        .at(list.display().to_string()),
+                );
             }
             files.push(path);
         }
@@ -123,14 +125,13 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
             (None, _) => Err(Error::new(ErrorKind::Name, format!("no column `{wanted}`"))
                 .expected(format!("one of {}", columns.join(", ")))
                 .at("line 1")),
-            (Some(_), Some(_)) => Err(Error::new(
-                ErrorKind::Name,
-                format!("two columns `{wanted}`"),
-            )
-            .at("line 1")),
+            (Some(_), Some(_)) => {
+                Err(Error::new(ErrorKind::Name, format!("two columns `{wanted}`")).at("line 1"))
+            }
         }
     };
-    let time = find(TIME).map_err(|e| e.help("the column of times in seconds is called `time_s`"))?;
+    let time =
+        find(TIME).map_err(|e| e.help("the column of times in seconds is called `time_s`"))?;
     let names: Vec<String> = match &options.joints {
         Some(names) => names.clone(),
         None => columns
@@ -143,7 +144,11 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
     let picked = names.iter().map(|n| find(n)).collect::<Result<Vec<_>>>()?;
     let joints = Joints::new(names).map_err(|e| e.at("line 1"))?;
 
-    let unit = if options.degrees { 1f64.to_radians() } else { 1.0 };
+    let unit = if options.degrees {
+        1f64.to_radians()
+    } else {
+        1.0
+    };
     let mut times: Vec<f64> = Vec::new();
     let mut rows: Vec<f64> = Vec::new();
     for record in reader.records() {
@@ -162,15 +167,21 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
             .at(format!("line {line}")));
         }
         times.push(t);
-        let expected = if options.degrees { "an angle in degrees" } else { "an angle in radians" };
+        let expected = if options.degrees {
+            "an angle in degrees"
+        } else {
+            "an angle in radians"
+        };
         for (&column, joint) in picked.iter().zip(&joints) {
             let value = number(&record, column, joint, expected).map_err(|e| at_line(e, line))?;
             rows.push(value * unit);
         }
     }
     if times.len() < 2 {
-        return Err(Error::new(ErrorKind::Shape, format!("{} samples", times.len()))
-            .expected("at least two rows under the header"));
+        return Err(
+            Error::new(ErrorKind::Shape, format!("{} samples", times.len()))
+                .expected("at least two rows under the header"),
+        );
     }
     let positions = DMatrix::from_row_slice(times.len(), joints.len(), &rows);
     Recording::new(name, joints, times, positions)
@@ -193,7 +204,9 @@ fn at_line(error: Error, line: u64) -> Error {
 fn syntax(error: csv::Error) -> Error {
     let line = error.position().map(csv::Position::line);
     let what = match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => {
             return Error::new(ErrorKind::Shape, format!("{len} fields"))
                 .expected(format!("{expected_len}, as in the header"))
                 .at(line.map_or("a row".into(), |l| format!("line {l}")));
@@ -237,12 +250,27 @@ mod tests {
             ("time_s\n0\n1\n", "no joints"),
             ("time_s,a\n", "r.csv: 0 samples"),
             ("time_s,a\n0,0\n", "r.csv: 1 samples"),
-            ("time_s,a\n0,0\n0,1\n", "r.csv, line 3: time 0 s does not come after 0 s"),
-            ("time_s,a\n1,0\n0,1\n", "r.csv, line 3: time 0 s does not come after 1 s"),
-            ("time_s,a\n0,0\n1,NaN\n", "r.csv, line 3, column `a`: found `NaN`, expected an angle in radians"),
+            (
+                "time_s,a\n0,0\n0,1\n",
+                "r.csv, line 3: time 0 s does not come after 0 s",
+            ),
+            (
+                "time_s,a\n1,0\n0,1\n",
+                "r.csv, line 3: time 0 s does not come after 1 s",
+            ),
+            (
+                "time_s,a\n0,0\n1,NaN\n",
+                "r.csv, line 3, column `a`: found `NaN`, expected an angle in radians",
+            ),
             ("time_s,a\n0,0\n1,\n", "r.csv, line 3, column `a`: found ``"),
-            ("time_s,a\n0,one\n", "r.csv, line 2, column `a`: found `one`"),
-            ("time_s,a\ninf,1\n", "r.csv, line 2, column `time_s`: found `inf`"),
+            (
+                "time_s,a\n0,one\n",
+                "r.csv, line 2, column `a`: found `one`",
+            ),
+            (
+                "time_s,a\ninf,1\n",
+                "r.csv, line 2, column `time_s`: found `inf`",
+            ),
             ("time_s,a\n0,1,2\n", "r.csv, line 2: 3 fields, expected 2"),
             ("time_s,a,a\n0,1,2\n", "two columns `a`"),
             ("time_s;a\n0;1\n", "no column `time_s`"),

@@ -29,11 +29,24 @@ impl Recording {
         let step = 1.0 / (OVERSAMPLING * span);
         let steps = ((high - low) / step).floor();
         // Recordings of hours have more frequencies than are worth a scan of every sample.
-        let steps = if steps.is_finite() && steps >= 0.0 { (steps as usize).min(4000) } else { return 0.0 };
-        let power = |i: usize| explained(&flat.times, &centred, low + (high - low) * i as f64 / steps.max(1) as f64);
+        let steps = if steps.is_finite() && steps >= 0.0 {
+            (steps as usize).min(4000)
+        } else {
+            return 0.0;
+        };
+        let power = |i: usize| {
+            explained(
+                &flat.times,
+                &centred,
+                low + (high - low) * i as f64 / steps.max(1) as f64,
+            )
+        };
         let (best, _) = (0..=steps)
             .map(|i| (i, power(i)))
-            .fold((0, -1.0), |best, next| if next.1 > best.1 { next } else { best });
+            .fold(
+                (0, -1.0),
+                |best, next| if next.1 > best.1 { next } else { best },
+            );
         low + (high - low) * best as f64 / steps.max(1) as f64
     }
 }
@@ -80,7 +93,11 @@ mod tests {
             });
             let recording =
                 Recording::new("r", Joints::new(["a", "b"]).unwrap(), times, positions).unwrap();
-            assert!((recording.tempo() - frequency).abs() < 0.03, "{}", recording.tempo());
+            assert!(
+                (recording.tempo() - frequency).abs() < 0.03,
+                "{}",
+                recording.tempo()
+            );
         }
     }
 }

@@ -114,9 +114,8 @@ fn perform(pace: f64, rng: &mut ChaCha8Rng) -> DMatrix<f64> {
     let mut positions = DMatrix::zeros(SAMPLES, PARTS.len());
     for (d, part) in PARTS.iter().enumerate() {
         let offset = part.offset + part.offset_spread * normal();
-        let amplitude = part.slow.powf(1.0 - pace)
-            * part.fast.powf(pace)
-            * (AMPLITUDE_SPREAD * normal()).exp();
+        let amplitude =
+            part.slow.powf(1.0 - pace) * part.fast.powf(pace) * (AMPLITUDE_SPREAD * normal()).exp();
         let lag = part.lag + 0.1 * normal();
         // Wander: three slow sinusoids of random size and phase.
         let wander: [(f64, f64); 3] = std::array::from_fn(|_| (normal(), normal()));
@@ -158,8 +157,15 @@ mod tests {
     #[test]
     fn it_waves_between_1_5_and_3_hertz_and_repeats_itself_only_for_a_seed() {
         let demonstrations = synthetic(3).unwrap();
-        let tempos: Vec<f64> = demonstrations.recordings().iter().map(Recording::tempo).collect();
-        assert!((tempos[0] - 1.5).abs() < 0.1 && (tempos[14] - 3.0).abs() < 0.15, "{tempos:?}");
+        let tempos: Vec<f64> = demonstrations
+            .recordings()
+            .iter()
+            .map(Recording::tempo)
+            .collect();
+        assert!(
+            (tempos[0] - 1.5).abs() < 0.1 && (tempos[14] - 3.0).abs() < 0.15,
+            "{tempos:?}"
+        );
         assert!(tempos.windows(2).all(|t| t[1] > t[0] - 0.1), "{tempos:?}");
         assert_eq!(demonstrations, synthetic(3).unwrap());
         assert_ne!(demonstrations, synthetic(4).unwrap());

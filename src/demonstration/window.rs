@@ -49,7 +49,10 @@ impl Candidate {
     fn refusal(&self, period: f64, fewest_cycles: f64) -> Option<String> {
         // Stamps are often printed with few digits.
         if self.covers < period * (1.0 - 1e-4) {
-            Some(format!("lasts {:.3} s of {period:.3} s", self.recording.span()))
+            Some(format!(
+                "lasts {:.3} s of {period:.3} s",
+                self.recording.span()
+            ))
         } else if self.tempo * period < fewest_cycles {
             Some(format!(
                 "makes {:.1} cycles in {period:.3} s, fewer than {fewest_cycles}",
@@ -122,7 +125,10 @@ fn best_period(candidates: &[Candidate]) -> f64 {
     spans
         .into_iter()
         .map(|t| (t, score(t)))
-        .fold((0.0, -1.0), |best, next| if next.1 >= best.1 { next } else { best })
+        .fold(
+            (0.0, -1.0),
+            |best, next| if next.1 >= best.1 { next } else { best },
+        )
         .0
 }
 
@@ -175,12 +181,19 @@ mod tests {
         assert_eq!(kept.len(), 4);
         assert_eq!(left_out[0].name, "short");
         assert!(left_out[0].reason.contains("lasts 1.000 s"));
-        assert!(kept.iter().all(|r| r.times.len() == 251 && r.times[250] == 5.0));
+        assert!(
+            kept.iter()
+                .all(|r| r.times.len() == 251 && r.times[250] == 5.0)
+        );
     }
 
     #[test]
     fn a_slow_recording_has_too_few_cycles_unless_the_user_says_so() {
-        let recordings = vec![sine("a", 2.0, 4.0), sine("b", 2.0, 4.0), sine("slow", 0.5, 4.0)];
+        let recordings = vec![
+            sine("a", 2.0, 4.0),
+            sine("b", 2.0, 4.0),
+            sine("slow", 0.5, 4.0),
+        ];
         let (_, _, left_out) = cut(recordings.clone(), Duration::Auto).unwrap();
         assert!(left_out[0].name == "slow" && left_out[0].reason.contains("cycles"));
         let (_, kept, _) = cut(recordings, Duration::Seconds(4.0)).unwrap();

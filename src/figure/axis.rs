@@ -25,12 +25,18 @@ impl Axis {
         let (low, high) = match range {
             Some((low, high)) if low < high && low.is_finite() && high.is_finite() => (low, high),
             Some((low, high)) => {
-                return Err(Error::new(ErrorKind::Value, format!("the axis range {low}..{high}")));
+                return Err(Error::new(
+                    ErrorKind::Value,
+                    format!("the axis range {low}..{high}"),
+                ));
             }
             None => spread(values, padding),
         };
         if !(high - low).is_finite() {
-            return Err(Error::new(ErrorKind::Value, format!("the axis range {low}..{high}")));
+            return Err(Error::new(
+                ErrorKind::Value,
+                format!("the axis range {low}..{high}"),
+            ));
         }
         Ok(Self {
             low,

@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::geometry::Shape;
 use crate::figure::robot_view::View;
+use crate::geometry::Shape;
 
 /// Nearer than this nothing is seen, m.
 pub(crate) const NEAR: f64 = 1e-3;

@@ -2,9 +2,9 @@
 
 use plotters::backend::DrawingBackend;
 
+use crate::error::{Error, ErrorKind, Result};
 use crate::figure::axis::Axis;
 use crate::figure::canvas::{Anchor, Area, Canvas};
-use crate::error::{Error, ErrorKind, Result};
 use crate::figure::font::sans;
 use crate::figure::image::Color;
 use crate::figure::legend::Legend;
@@ -54,9 +54,10 @@ pub(crate) fn layout(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result
     let right = 1.0 * text;
     if cell_width - left - right < 3.0 * text || height < 2.0 * text {
         let (width, height) = size;
-        return Err(Error::new(ErrorKind::Value, format!(
-            "no room for {columns} x {rows} panels in {width} x {height} px"
-        )));
+        return Err(Error::new(
+            ErrorKind::Value,
+            format!("no room for {columns} x {rows} panels in {width} x {height} px"),
+        ));
     }
     let panels = plots
         .iter()

@@ -87,9 +87,10 @@ impl Image {
             .checked_mul(height)
             .is_some_and(|pixels| pixels <= MAX_PIXELS);
         if !sides.contains(&width) || !sides.contains(&height) || !fits {
-            return Err(Error::new(ErrorKind::Value, format!(
-                "an image of {width} x {height} px"
-            )));
+            return Err(Error::new(
+                ErrorKind::Value,
+                format!("an image of {width} x {height} px"),
+            ));
         }
         let count = width as usize * height as usize;
         Ok(Self {
@@ -145,10 +146,13 @@ impl Image {
     /// `factor` is zero or above a side of the image.
     pub fn downsampled(&self, factor: u32) -> Result<Self> {
         if factor == 0 || factor > self.width || factor > self.height {
-            return Err(Error::new(ErrorKind::Value, format!(
-                "{} x {} px downsampled {factor} times",
-                self.width, self.height
-            )));
+            return Err(Error::new(
+                ErrorKind::Value,
+                format!(
+                    "{} x {} px downsampled {factor} times",
+                    self.width, self.height
+                ),
+            ));
         }
         let (width, height) = (self.width / factor, self.height / factor);
         let mut sums = vec![0_u32; 3 * width as usize];

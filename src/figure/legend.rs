@@ -2,12 +2,15 @@
 
 use plotters::backend::DrawingBackend;
 
-use crate::figure::canvas::{Anchor, Area, Canvas, Spot};
 use crate::error::Result;
+use crate::figure::canvas::{Anchor, Area, Canvas, Spot};
 use crate::figure::font::sans;
 use crate::figure::image::Color;
 use crate::figure::plot::{Mark, Series};
 use crate::figure::trace::{BAND, Panel, clipped_segment};
+
+/// Room beyond the width of a label in our font: viewers of an SVG may set it in a wider one.
+const SPARE: f64 = 1.12;
 
 /// A legend with its place in the picture.
 pub(crate) struct Legend<'a> {
@@ -38,7 +41,7 @@ impl<'a> Legend<'a> {
             .series
             .iter()
             .filter(|series| !series.label.is_empty())
-            .map(|series| (series, head + font.width(&series.label, text)))
+            .map(|series| (series, head + SPARE * font.width(&series.label, text)))
             .collect();
         if entries.is_empty() {
             return Ok(None);

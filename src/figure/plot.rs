@@ -2,8 +2,8 @@
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 
-use crate::figure::canvas::Canvas;
 use crate::error::{Error, ErrorKind, Result};
+use crate::figure::canvas::Canvas;
 use crate::figure::frame::{draw_axes, draw_grid, give_headroom, layout};
 use crate::figure::image::{Color, Image, MAX_SIDE};
 use crate::figure::legend::Legend;
@@ -117,10 +117,10 @@ pub fn draw(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result<Picture>
         return Err(Error::new(ErrorKind::Value, "data that are not finite"));
     }
     if size.0.max(size.1) > MAX_SIDE / SUPERSAMPLING {
-        return Err(Error::new(ErrorKind::Value, format!(
-            "a figure of {} x {} px",
-            size.0, size.1
-        )));
+        return Err(Error::new(
+            ErrorKind::Value,
+            format!("a figure of {} x {} px", size.0, size.1),
+        ));
     }
     let mut panels = layout(plots, columns, size)?;
     for panel in &mut panels {

@@ -16,6 +16,9 @@ const FIELD_OF_VIEW: f64 = 0.5;
 /// How far below the moving bodies the base is shown, as a share of their extent.
 const BELOW: f64 = 0.1;
 
+/// How far beyond the end of the hand its path is drawn \[m\].
+const BEYOND: f64 = 0.012;
+
 /// Space about what is shown.
 const MARGIN: f64 = 1.06;
 
@@ -58,13 +61,38 @@ impl Poses<'_> {
                     .collect()
             })
             .collect();
-        let tip = robot.tip();
+        let (hand, point) = self.fingertip();
         let path: Vec<Point3<f64>> = self
             .path
             .iter()
-            .map(|q| Point3::from((robot.body_poses(q)[tip.body] * tip.pose).translation.vector))
+            .map(|q| robot.body_poses(q)[hand] * point)
             .collect();
-        robot_view::render(&self.view(&still, &ghosts, &path, size), &still, &ghosts, &path, size)
+        robot_view::render(
+            &self.view(&still, &ghosts, &path, size),
+            &still,
+            &ghosts,
+            &path,
+            size,
+        )
+    }
+
+    /// A point just beyond the end of the hand, where its path is not hidden by it: the body of the robot's tip, and the
+    /// point in its frame, in the direction of the tip as far out as the body reaches.
+    fn fingertip(&self) -> (usize, Point3<f64>) {
+        let tip = self.robot.tip();
+        let outwards = tip.pose.translation.vector;
+        let Some(direction) = outwards.try_normalize(1e-9) else {
+            return (tip.body, Point3::from(outwards));
+        };
+        let reach = solids(
+            &self.robot.bodies()[tip.body].visual,
+            &Isometry3::identity(),
+        )
+        .iter()
+        .flat_map(|s| corners(&s.shape, &s.pose))
+        .map(|corner| corner.coords.dot(&direction))
+        .fold(outwards.norm(), f64::max);
+        (tip.body, Point3::from(direction * (reach + BEYOND)))
     }
 
     /// Frames everything that moves, and of the base what is not far below it.
@@ -80,14 +108,25 @@ impl Poses<'_> {
         let up = towards.cross(&right);
         // Extent to the right, upwards and towards the eye.
         let place = |p: &Point3<f64>| [right, up, towards].map(|axis| axis.dot(&p.coords));
-        let mut moving = [Interval { lower: f64::INFINITY, upper: f64::NEG_INFINITY }; 3];
+        let mut moving = [Interval {
+            lower: f64::INFINITY,
+            upper: f64::NEG_INFINITY,
+        }; 3];
         let include = |extents: &mut [Interval; 3], p: [f64; 3]| {
             for (extent, x) in extents.iter_mut().zip(p) {
-                *extent = Interval { lower: extent.lower.min(x), upper: extent.upper.max(x) };
+                *extent = Interval {
+                    lower: extent.lower.min(x),
+                    upper: extent.upper.max(x),
+                };
             }
         };
         let around = |s: &Solid| corners(&s.shape, &s.pose);
-        for p in ghosts.iter().flatten().flat_map(around).chain(path.iter().copied()) {
+        for p in ghosts
+            .iter()
+            .flatten()
+            .flat_map(around)
+            .chain(path.iter().copied())
+        {
             include(&mut moving, place(&p));
         }
         let mut shown = moving;

@@ -8,14 +8,14 @@ use std::sync::Mutex;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::figure::camera::{Camera, corners, half_extents};
 use crate::error::{Error, ErrorKind, Result};
-use crate::geometry::Shape;
+use crate::figure::camera::{Camera, corners, half_extents};
 use crate::figure::ground::Ground;
 use crate::figure::image::{Color, Image};
 use crate::figure::layer::{Layer, MARGIN, TILE, Tile};
 use crate::figure::ray::Target;
 use crate::figure::tube::tube;
+use crate::geometry::Shape;
 
 /// Samples per pixel side.
 pub(crate) const SUPERSAMPLING: usize = 3;

@@ -2,9 +2,9 @@
 
 use plotters::backend::DrawingBackend;
 
+use crate::error::Result;
 use crate::figure::axis::Axis;
 use crate::figure::canvas::{Area, Canvas, Spot};
-use crate::error::Result;
 use crate::figure::plot::{Mark, Plot, Series};
 
 /// Opacity of a band relative to its colour's.

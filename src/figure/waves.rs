@@ -39,7 +39,11 @@ pub fn spectra(
                 .collect();
             highest = points.iter().fold(highest, |h, p| h.max(p.1));
             series.push(Series {
-                label: if i == 0 { "demonstrations".into() } else { String::new() },
+                label: if i == 0 {
+                    "demonstrations".into()
+                } else {
+                    String::new()
+                },
                 color: Color::GREY.with_alpha(0.35),
                 mark: Mark::Line { points, width: 1 },
             });
@@ -67,14 +71,17 @@ pub fn spectra(
             lines.push(Series {
                 label: labelled.label.into(),
                 color: labelled.color,
-                mark: Mark::Line { points: median, width: 2 },
+                mark: Mark::Line {
+                    points: median,
+                    width: 2,
+                },
             });
         }
         series.append(&mut lines);
         plots.push(Plot {
             title: (*title).into(),
             x_label: "harmonic k (cycles in T)".into(),
-            y_label: "|w_k| (°)".into(),
+            y_label: "|wₖ| (°)".into(),
             x_range: None,
             y_range: None,
             series,

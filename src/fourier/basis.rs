@@ -1,6 +1,6 @@
 //! [`FourierBasis`]: the least squares of Algorithm 1, line 5.
 
-use nalgebra::{DMatrix, DVector, QR, Dyn};
+use nalgebra::{DMatrix, DVector, Dyn, QR};
 use num_complex::Complex;
 use realfft::RealFftPlanner;
 
@@ -95,7 +95,11 @@ impl FourierBasis {
                 ErrorKind::Shape,
                 format!("samples of {} x {}", samples.nrows(), samples.ncols()),
             )
-            .expected(format!("{} x {}, times x joints", times.len(), joints.len())));
+            .expected(format!(
+                "{} x {}, times x joints",
+                times.len(),
+                joints.len()
+            )));
         }
         let stamps = self.classify(times);
         let needed = 2 * self.harmonics + 1 + usize::from(stamps == Stamps::Closed);
@@ -162,7 +166,9 @@ impl FourierBasis {
             // (n I + 1 1^H)^-1 g = (g - 1 (1^H g) / (n + 2K+1)) / n; 1^H g is real.
             let sum = spectrum[0].re + 2.0 * spectrum[1..].iter().map(|g| g.re).sum::<f64>();
             let common = sum / (n as f64 + unknowns);
-            spectrum.iter_mut().for_each(|g| *g = (*g - common) / n as f64);
+            spectrum
+                .iter_mut()
+                .for_each(|g| *g = (*g - common) / n as f64);
         })
     }
 
@@ -268,7 +274,10 @@ mod tests {
         assert!(fit(51, 51, 26).is_err());
         assert!(fit(52, 51, 25).is_ok());
         let error = fit(51, 50, 25).unwrap_err();
-        assert!(error.to_string().contains("51 samples for 25 harmonics"), "{error}");
+        assert!(
+            error.to_string().contains("51 samples for 25 harmonics"),
+            "{error}"
+        );
         assert!(error.to_string().contains("at most 24"), "{error}");
         assert!(fit(51, 50, 24).is_ok());
     }

@@ -220,7 +220,10 @@ mod tests {
     fn range_meets_the_analytic_extremes() {
         let range = wave().range(0, Derivative::Position);
         assert!(range.upper >= 0.9 && range.upper < 0.9 + 2e-6, "{range:?}");
-        assert!(range.lower <= -0.325 && range.lower > -0.325 - 2e-6, "{range:?}");
+        assert!(
+            range.lower <= -0.325 && range.lower > -0.325 - 2e-6,
+            "{range:?}"
+        );
     }
 
     #[test]

@@ -50,11 +50,10 @@ impl Wave {
         let harmonics = file.weights_rad.first().map_or(0, Vec::len);
         let rows = &file.weights_rad;
         if rows.len() != joints.len() || rows.iter().any(|r| r.len() != harmonics) {
-            return Err(Error::new(
-                ErrorKind::Shape,
-                "rows of weights of different lengths",
-            )
-            .expected("one row a joint, one pair a harmonic"));
+            return Err(
+                Error::new(ErrorKind::Shape, "rows of weights of different lengths")
+                    .expected("one row a joint, one pair a harmonic"),
+            );
         }
         let weights = DMatrix::from_fn(joints.len(), harmonics, |d, k| {
             let [re, im] = rows[d][k];

@@ -83,9 +83,7 @@ impl PeriodGrid {
             for (k, c) in coefficients.iter_mut().enumerate() {
                 let weight = wave.weights()[(d, k)];
                 let scale = 2.0
-                    * (0..order).fold(1.0, |s, _| {
-                        s * (k + 1) as f64 * wave.angular_frequency()
-                    });
+                    * (0..order).fold(1.0, |s, _| s * (k + 1) as f64 * wave.angular_frequency());
                 // Multiplication by i^order, spelt out: exact.
                 let (re, im) = match order % 4 {
                     0 => (weight.re, weight.im),
@@ -120,10 +118,8 @@ impl PeriodGrid {
                     if n > n_points / 4 {
                         break;
                     }
-                    let ([ce, co], [se, so]) = (
-                        [even[0][lane], even[1][lane]],
-                        [odd[0][lane], odd[1][lane]],
-                    );
+                    let ([ce, co], [se, so]) =
+                        ([even[0][lane], even[1][lane]], [odd[0][lane], odd[1][lane]]);
                     values[n] = offset + ((ce + co) + (se + so));
                     values[n_points / 2 - n] = offset + ((ce - co) - (se - so));
                     if n > 0 {

@@ -225,8 +225,9 @@ impl Wave {
         }
         let offsets = DVector::from_iterator(
             rows.len(),
-            rows.iter()
-                .map(|&(source, gain, shift)| source.map_or(0.0, |s| gain * self.offsets[s]) + shift),
+            rows.iter().map(|&(source, gain, shift)| {
+                source.map_or(0.0, |s| gain * self.offsets[s]) + shift
+            }),
         );
         let weights = DMatrix::from_fn(rows.len(), self.harmonics(), |j, k| match rows[j] {
             (Some(s), gain, _) => self.weights[(s, k)] * gain,
@@ -258,7 +259,11 @@ mod tests {
             Joints::new(["a"]).unwrap(),
             1.5,
             dvector![0.1],
-            dmatrix![Complex::new(0.3, 0.2), Complex::ZERO, Complex::new(0.1, 0.0)],
+            dmatrix![
+                Complex::new(0.3, 0.2),
+                Complex::ZERO,
+                Complex::new(0.1, 0.0)
+            ],
         )
         .unwrap()
     }
@@ -277,10 +282,18 @@ mod tests {
                 w * w * (-0.6 * c + 0.4 * s - 1.8 * c3),
                 w.powi(3) * (0.6 * s + 0.4 * c + 5.4 * s3),
             ];
-            let found = [&state.position, &state.velocity, &state.acceleration, &state.jerk];
+            let found = [
+                &state.position,
+                &state.velocity,
+                &state.acceleration,
+                &state.jerk,
+            ];
             for (order, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let scale = (3.0 * w).powi(order as i32);
-                assert!((found[0] - expected).abs() < 1e-13 * scale, "order {order} at {t}");
+                assert!(
+                    (found[0] - expected).abs() < 1e-13 * scale,
+                    "order {order} at {t}"
+                );
             }
         }
     }

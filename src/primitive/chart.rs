@@ -92,9 +92,7 @@ impl LogPolar {
             Coordinate::Phase { joint, harmonic: k } => {
                 harmonic(joint, *k).map(|i| self.phases() + i)
             }
-            Coordinate::Offset { joint } => {
-                self.joints.index(joint).map(|d| 2 * self.phases() + d)
-            }
+            Coordinate::Offset { joint } => self.joints.index(joint).map(|d| 2 * self.phases() + d),
         }
     }
 
@@ -104,8 +102,14 @@ impl LogPolar {
         let joint = |d: usize| self.joints.name(d).to_owned();
         let (d, harmonic) = (within / self.harmonics, within % self.harmonics + 1);
         match block {
-            0 => Some(Coordinate::Modulus { joint: joint(d), harmonic }),
-            1 => Some(Coordinate::Phase { joint: joint(d), harmonic }),
+            0 => Some(Coordinate::Modulus {
+                joint: joint(d),
+                harmonic,
+            }),
+            1 => Some(Coordinate::Phase {
+                joint: joint(d),
+                harmonic,
+            }),
             _ => {
                 let d = index - 2 * self.phases();
                 (d < self.joints.len()).then(|| Coordinate::Offset { joint: joint(d) })

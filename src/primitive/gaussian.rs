@@ -32,7 +32,11 @@ impl Gaussian {
         if factor.nrows() != mean.len() {
             return Err(Error::new(
                 ErrorKind::Shape,
-                format!("a mean of {} and a factor of {} rows", mean.len(), factor.nrows()),
+                format!(
+                    "a mean of {} and a factor of {} rows",
+                    mean.len(),
+                    factor.nrows()
+                ),
             ));
         }
         if mean.iter().chain(factor.iter()).any(|v| !v.is_finite()) {
@@ -146,8 +150,7 @@ impl Gaussian {
         while !open.is_empty() {
             let share = |o: usize| {
                 let i = observations[o].0;
-                posterior.standard_deviation(i)
-                    / self.standard_deviation(i).max(NO_VARIANCE)
+                posterior.standard_deviation(i) / self.standard_deviation(i).max(NO_VARIANCE)
             };
             let mut best = 0;
             for candidate in 1..open.len() {
@@ -221,8 +224,7 @@ mod tests {
     #[test]
     fn conditioning_of_a_bivariate_normal_in_closed_form() {
         // sd 2 and 1, correlation 0.6: mean of x1 given x0 = 3 is 0.6 * 1 * (3 - 1) / 2, variance 1 - 0.36.
-        let gaussian =
-            Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
+        let gaussian = Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
         let posterior = gaussian.condition(&[(0, 3.0)]).unwrap();
         assert_eq!(posterior.mean()[0], 3.0);
         assert!((posterior.mean()[1] - 0.6).abs() < 1e-15);
@@ -232,8 +234,7 @@ mod tests {
 
     #[test]
     fn repeated_observations_are_one_and_contradictions_are_found() {
-        let gaussian =
-            Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
+        let gaussian = Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
         let once = gaussian.condition(&[(0, 3.0)]).unwrap();
         assert_eq!(gaussian.condition(&[(0, 3.0), (0, 3.0)]).unwrap(), once);
         assert_eq!(once.condition(&[(0, 3.0)]).unwrap(), once);

@@ -6,6 +6,8 @@ mod gaussian;
 mod normal;
 mod observation;
 
+use std::fmt;
+
 use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
@@ -37,7 +39,7 @@ const LARGEST_LOGARITHM: f64 = 300.0;
 /// assert!((wave.weights()[(3, 9)].norm() - 5f64.to_radians()).abs() < 1e-12);
 /// # Ok::<(), undulate::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct FourierMovementPrimitive {
     chart: LogPolar,
     gaussian: Gaussian,
@@ -83,7 +85,9 @@ impl FourierMovementPrimitive {
         // So that a draw is a wave, whatever the random numbers.
         for i in 0..gaussian.dimension() {
             if gaussian.mean()[i].abs() + gaussian.reach(i) > LARGEST_LOGARITHM {
-                let place = chart.coordinate(i).map_or_else(String::new, |c| c.to_string());
+                let place = chart
+                    .coordinate(i)
+                    .map_or_else(String::new, |c| c.to_string());
                 return Err(Error::new(
                     ErrorKind::Value,
                     format!(
@@ -123,8 +127,10 @@ impl FourierMovementPrimitive {
                 let value = o.charted()?;
                 // As far from the overflow as a learned mean must be.
                 if value.abs() > LARGEST_LOGARITHM {
-                    return Err(Error::new(ErrorKind::Value, format!("value is {}", o.value))
-                        .at(o.coordinate.to_string()));
+                    return Err(
+                        Error::new(ErrorKind::Value, format!("value is {}", o.value))
+                            .at(o.coordinate.to_string()),
+                    );
                 }
                 Ok((index, value))
             })
@@ -170,6 +176,18 @@ impl FourierMovementPrimitive {
         self.chart
             .wave(x)
             .expect("`new` admits only Gaussians whose every draw is a wave")
+    }
+}
+
+/// In a line: thousands of numbers help nobody.
+impl fmt::Debug for FourierMovementPrimitive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("FourierMovementPrimitive")
+            .field("joints", self.chart.joints())
+            .field("period", &self.chart.period())
+            .field("harmonics", &self.chart.harmonics())
+            .field("rank", &self.gaussian.rank())
+            .finish()
     }
 }
 

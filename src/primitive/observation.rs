@@ -99,9 +99,11 @@ impl Observation {
     /// The value in the chart: the logarithm of a modulus, the principal value of a phase.
     pub(super) fn charted(&self) -> Result<f64> {
         let refuse = |expected: &str| {
-            Err(Error::new(ErrorKind::Value, format!("value is {}", self.value))
-                .expected(expected)
-                .at(self.coordinate.to_string()))
+            Err(
+                Error::new(ErrorKind::Value, format!("value is {}", self.value))
+                    .expected(expected)
+                    .at(self.coordinate.to_string()),
+            )
         };
         if !self.value.is_finite() {
             return refuse("a finite number");
@@ -119,7 +121,13 @@ impl Observation {
 pub(super) fn principal(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle - TAU * libm::round(angle / TAU);
-    if turned <= -PI { turned + TAU } else if turned > PI { turned - TAU } else { turned }
+    if turned <= -PI {
+        turned + TAU
+    } else if turned > PI {
+        turned - TAU
+    } else {
+        turned
+    }
 }
 
 impl FromStr for Observation {
@@ -165,9 +173,16 @@ mod tests {
 
     #[test]
     fn text_is_read_and_written() {
-        for text in ["modulus:a:b:10=0.25", "phase:elbow:3=-1", "offset:wrist=0.5"] {
+        for text in [
+            "modulus:a:b:10=0.25",
+            "phase:elbow:3=-1",
+            "offset:wrist=0.5",
+        ] {
             let observation: Observation = text.parse().unwrap();
-            assert_eq!(format!("{}={}", observation.coordinate, observation.value), text);
+            assert_eq!(
+                format!("{}={}", observation.coordinate, observation.value),
+                text
+            );
         }
         let degrees: Observation = "phase:elbow:3 = 180 deg".parse().unwrap();
         assert_eq!(degrees.value, PI);
@@ -175,8 +190,16 @@ mod tests {
 
     #[test]
     fn malformed_text_is_refused_with_the_grammar() {
-        for text in ["", "modulus:elbow:10", "modulus:elbow=5deg", "size:elbow:1=1", "modulus:elbow:x=1",
-            "modulus:elbow:1=5grad", "modulus:elbow:1=NaN", "modulus:elbow:-1=1"] {
+        for text in [
+            "",
+            "modulus:elbow:10",
+            "modulus:elbow=5deg",
+            "size:elbow:1=1",
+            "modulus:elbow:x=1",
+            "modulus:elbow:1=5grad",
+            "modulus:elbow:1=NaN",
+            "modulus:elbow:-1=1",
+        ] {
             let error = text.parse::<Observation>().unwrap_err();
             assert_eq!(error.kind(), ErrorKind::Syntax, "{text}");
         }

@@ -14,8 +14,11 @@ use crate::geometry::{Shape, Solid};
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
-    let children: HashMap<&str, &urdf_rs::Joint> =
-        urdf.joints.iter().map(|j| (j.child.link.as_str(), j)).collect();
+    let children: HashMap<&str, &urdf_rs::Joint> = urdf
+        .joints
+        .iter()
+        .map(|j| (j.child.link.as_str(), j))
+        .collect();
     let mut below: HashMap<&str, Vec<&urdf_rs::Joint>> = HashMap::new();
     for joint in &urdf.joints {
         below.entry(&joint.parent.link).or_default().push(joint);
@@ -29,7 +32,11 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
         .iter()
         .filter_map(|m| m.color.as_ref().map(|c| (m.name.as_str(), rgb(c))))
         .collect();
-    let Some(root) = urdf.links.iter().find(|l| !children.contains_key(l.name.as_str())) else {
+    let Some(root) = urdf
+        .links
+        .iter()
+        .find(|l| !children.contains_key(l.name.as_str()))
+    else {
         return Err(Error::new(ErrorKind::Shape, "no root link"));
     };
 
@@ -145,7 +152,10 @@ fn joint_properties(joint: &urdf_rs::Joint, notes: &mut Vec<String>) -> JointPro
     let position = match joint.joint_type {
         JointType::Continuous => None,
         _ if limit.lower == 0.0 && limit.upper == 0.0 => {
-            notes.push(format!("joint `{}`: no position limit is given", joint.name));
+            notes.push(format!(
+                "joint `{}`: no position limit is given",
+                joint.name
+            ));
             None
         }
         _ => Some(Interval {
@@ -185,13 +195,18 @@ fn add_link(
     for collision in &link.collision {
         match shape(&collision.geometry) {
             Ok(shape) => body.collision.push(solid(&collision.origin, shape, None)),
-            Err(mesh) => body.unread_collision.push(format!("link `{}`: mesh {mesh}", link.name)),
+            Err(mesh) => body
+                .unread_collision
+                .push(format!("link `{}`: mesh {mesh}", link.name)),
         }
     }
     let visible = body.visual.len();
     for visual in &link.visual {
         let color = visual.material.as_ref().and_then(|m| {
-            m.color.as_ref().map(rgb).or_else(|| colors.get(m.name.as_str()).copied())
+            m.color
+                .as_ref()
+                .map(rgb)
+                .or_else(|| colors.get(m.name.as_str()).copied())
         });
         if let Ok(shape) = shape(&visual.geometry) {
             body.visual.push(solid(&visual.origin, shape, color));
@@ -213,7 +228,10 @@ fn inertial(
     let i = &link.inertial.inertia;
     if mass <= 0.0 {
         if mass < 0.0 || i.ixx != 0.0 {
-            notes.push(format!("link `{}`: a mass of {mass} kg is left out", link.name));
+            notes.push(format!(
+                "link `{}`: a mass of {mass} kg is left out",
+                link.name
+            ));
         }
         return Ok(None);
     }
@@ -254,8 +272,7 @@ impl Inertial {
         let center = (self.center * self.mass + other.center * other.mass) / mass;
         let about = |part: &Self| {
             let d = part.center - center;
-            part.inertia
-                + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * part.mass
+            part.inertia + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * part.mass
         };
         Self {
             mass,

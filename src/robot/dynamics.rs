@@ -82,7 +82,9 @@ impl Dynamics {
             let w = rotation.tr_mul(&parent.angular_velocity);
             let origin = parent.acceleration
                 + parent.angular_acceleration.cross(&r)
-                + parent.angular_velocity.cross(&parent.angular_velocity.cross(&r));
+                + parent
+                    .angular_velocity
+                    .cross(&parent.angular_velocity.cross(&r));
             let turning = rotation.tr_mul(&parent.angular_acceleration);
             let carried = rotation.tr_mul(&origin);
             let (angular_velocity, angular_acceleration, linear) = match joint.kind {
@@ -122,7 +124,8 @@ impl Dynamics {
             self.efforts[i] = effort;
             self.forces[joint.index] += joint.multiplier * effort;
             let force = state.rotation * state.force;
-            let moment = state.rotation * state.moment + state.pose.translation.vector.cross(&force);
+            let moment =
+                state.rotation * state.moment + state.pose.translation.vector.cross(&force);
             let parent = &mut self.bodies[body.parent];
             parent.force += force;
             parent.moment += moment;

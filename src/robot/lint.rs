@@ -33,7 +33,8 @@ pub(super) fn lint(text: &str) -> Result<()> {
     xml.check_depth()?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        return Err(xml.refuse(root, format!("root element <{}>", root.tag_name().name()))
+        return Err(xml
+            .refuse(root, format!("root element <{}>", root.tag_name().name()))
             .expected("<robot>"));
     }
     let links = xml.named(root, "link")?;
@@ -94,8 +95,10 @@ impl<'a> Xml<'a> {
         for node in root.children().filter(|n| n.has_tag_name(tag)) {
             let name = self.text(node, "name")?;
             if names.insert(name, node).is_some() {
-                return Err(Error::new(ErrorKind::Name, format!("two {tag}s are called `{name}`"))
-                    .at(self.line(node)));
+                return Err(
+                    Error::new(ErrorKind::Name, format!("two {tag}s are called `{name}`"))
+                        .at(self.line(node)),
+                );
             }
         }
         Ok(names)
@@ -124,10 +127,11 @@ impl<'a> Xml<'a> {
             .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
             .collect();
         numbers.filter(|n| n.len() == count).ok_or_else(|| {
-            self.refuse(node, format!("{attribute}=\"{text}\"")).expected(match count {
-                1 => "a finite number".to_owned(),
-                _ => format!("{count} finite numbers"),
-            })
+            self.refuse(node, format!("{attribute}=\"{text}\""))
+                .expected(match count {
+                    1 => "a finite number".to_owned(),
+                    _ => format!("{count} finite numbers"),
+                })
         })
     }
 
@@ -136,7 +140,9 @@ impl<'a> Xml<'a> {
     }
 
     fn optional_number(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Option<f64>> {
-        node.attribute(attribute).map(|_| self.number(node, attribute)).transpose()
+        node.attribute(attribute)
+            .map(|_| self.number(node, attribute))
+            .transpose()
     }
 
     fn positive(&self, node: Node<'a, 'a>, attribute: &str, count: usize) -> Result<()> {
@@ -145,7 +151,9 @@ impl<'a> Xml<'a> {
             return Ok(());
         }
         let text = node.attribute(attribute).unwrap_or("");
-        Err(self.refuse(node, format!("{attribute}=\"{text}\"")).expected("positive lengths"))
+        Err(self
+            .refuse(node, format!("{attribute}=\"{text}\""))
+            .expected("positive lengths"))
     }
 
     fn child(&self, node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
@@ -214,10 +222,12 @@ impl<'a> Xml<'a> {
             "fixed" => false,
             "revolute" | "continuous" | "prismatic" => true,
             "floating" | "planar" | "spherical" => {
-                return Err(Error::new(ErrorKind::Unsupported, format!("a {kind} joint"))
-                    .expected("revolute, continuous, prismatic or fixed")
-                    .help("replace it by joints of one degree of freedom")
-                    .at(self.line(node)));
+                return Err(
+                    Error::new(ErrorKind::Unsupported, format!("a {kind} joint"))
+                        .expected("revolute, continuous, prismatic or fixed")
+                        .help("replace it by joints of one degree of freedom")
+                        .at(self.line(node)),
+                );
             }
             _ => {
                 return Err(self
@@ -232,9 +242,12 @@ impl<'a> Xml<'a> {
                 .ok_or_else(|| self.refuse(node, format!("joint without <{end}>")))?;
             let link = self.text(element, "link")?;
             if !links.contains_key(link) {
-                return Err(Error::new(ErrorKind::Name, format!("no link `{link}` to be its {end}"))
-                    .help("add the link or correct the name")
-                    .at(self.line(element)));
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("no link `{link}` to be its {end}"),
+                )
+                .help("add the link or correct the name")
+                .at(self.line(element)));
             }
         }
         if !moves {
@@ -243,13 +256,18 @@ impl<'a> Xml<'a> {
         if let Some(axis) = self.child(node, "axis") {
             let axis_vector = self.numbers(axis, "xyz", 3)?;
             if axis_vector.iter().map(|x| x * x).sum::<f64>().sqrt() < 1e-9 {
-                return Err(self.refuse(axis, "an axis of length zero").expected("a direction"));
+                return Err(self
+                    .refuse(axis, "an axis of length zero")
+                    .expected("a direction"));
             }
         }
         self.limit(node, kind)?;
         if let Some(dynamics) = self.child(node, "dynamics") {
             for attribute in ["damping", "friction"] {
-                if self.optional_number(dynamics, attribute)?.is_some_and(|x| x < 0.0) {
+                if self
+                    .optional_number(dynamics, attribute)?
+                    .is_some_and(|x| x < 0.0)
+                {
                     return Err(self
                         .refuse(dynamics, format!("negative {attribute}"))
                         .expected("zero or more"));
@@ -273,7 +291,10 @@ impl<'a> Xml<'a> {
         let upper = self.optional_number(limit, "upper")?.unwrap_or(0.0);
         if lower > upper {
             return Err(self
-                .refuse(limit, format!("lower limit {lower} above upper limit {upper}"))
+                .refuse(
+                    limit,
+                    format!("lower limit {lower} above upper limit {upper}"),
+                )
                 .help("exchange them"));
         }
         if !limit.has_attribute("velocity") {
@@ -282,7 +303,10 @@ impl<'a> Xml<'a> {
                 .expected("a speed, or 0 for not given"));
         }
         for attribute in ["velocity", "effort"] {
-            if self.optional_number(limit, attribute)?.is_some_and(|x| x < 0.0) {
+            if self
+                .optional_number(limit, attribute)?
+                .is_some_and(|x| x < 0.0)
+            {
                 return Err(self
                     .refuse(limit, format!("negative {attribute} limit"))
                     .expected("a positive number, or 0 for not given"));
@@ -299,8 +323,10 @@ impl<'a> Xml<'a> {
                 self.optional_number(mimic, attribute)?;
             }
             let Some(leader_node) = joints.get(leader).copied() else {
-                return Err(Error::new(ErrorKind::Name, format!("no joint `{leader}` to mimic"))
-                    .at(self.line(mimic)));
+                return Err(
+                    Error::new(ErrorKind::Name, format!("no joint `{leader}` to mimic"))
+                        .at(self.line(mimic)),
+                );
             };
             if seen.contains(&leader_node) {
                 return Err(self.refuse(mimic, format!("mimic of `{leader}` comes back to itself")));
@@ -316,7 +342,9 @@ impl<'a> Xml<'a> {
     /// One root, one parent a link, no cycle.
     fn tree(&self, links: &Names<'a>, joints: &Names<'a>) -> Result<()> {
         let end = |joint: Node<'a, 'a>, tag| {
-            self.child(joint, tag).and_then(|n| n.attribute("link")).unwrap_or("")
+            self.child(joint, tag)
+                .and_then(|n| n.attribute("link"))
+                .unwrap_or("")
         };
         let mut parents: HashMap<&str, &str> = HashMap::new();
         let mut in_order: Vec<Node> = joints.values().copied().collect();
@@ -330,16 +358,21 @@ impl<'a> Xml<'a> {
                 ));
             }
         }
-        let mut roots: Vec<&str> =
-            links.keys().copied().filter(|l| !parents.contains_key(l)).collect();
+        let mut roots: Vec<&str> = links
+            .keys()
+            .copied()
+            .filter(|l| !parents.contains_key(l))
+            .collect();
         roots.sort_unstable();
         match roots.as_slice() {
             [] => {
                 let mut all: Vec<&str> = links.keys().copied().collect();
                 all.sort_unstable();
-                Err(Error::new(ErrorKind::Shape, "no root: the links form a cycle")
-                    .expected("one link without a parent")
-                    .at(format!("links {}", shortened(&all))))
+                Err(
+                    Error::new(ErrorKind::Shape, "no root: the links form a cycle")
+                        .expected("one link without a parent")
+                        .at(format!("links {}", shortened(&all))),
+                )
             }
             // With one root and one parent each, a link that is not under the root is in a cycle.
             [_] => {
@@ -357,10 +390,12 @@ impl<'a> Xml<'a> {
                 }
                 Ok(())
             }
-            many => Err(Error::new(ErrorKind::Shape, format!("{} roots", many.len()))
-                .expected("one link without a parent")
-                .help("join the parts with a fixed joint")
-                .at(format!("links {}", shortened(many)))),
+            many => Err(
+                Error::new(ErrorKind::Shape, format!("{} roots", many.len()))
+                    .expected("one link without a parent")
+                    .help("join the parts with a fixed joint")
+                    .at(format!("links {}", shortened(many))),
+            ),
         }
     }
 }

@@ -213,9 +213,11 @@ impl Robot {
         if *joints == self.joints {
             return Ok(());
         }
-        Err(Error::new(ErrorKind::Name, format!("a motion of {}", joints.listed()))
-            .expected(self.joints.listed())
-            .help("map the motion to the robot's joints with a joint map")
-            .at(format!("robot `{}`", self.name)))
+        Err(
+            Error::new(ErrorKind::Name, format!("a motion of {}", joints.listed()))
+                .expected(self.joints.listed())
+                .help("map the motion to the robot's joints with a joint map")
+                .at(format!("robot `{}`", self.name)),
+        )
     }
 }

@@ -44,8 +44,7 @@ impl Robot {
     pub fn open(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
         let text = String::from_utf8(bytes).map_err(|_| {
-            Error::new(ErrorKind::Syntax, "text that is not UTF-8")
-                .at(path.display().to_string())
+            Error::new(ErrorKind::Syntax, "text that is not UTF-8").at(path.display().to_string())
         })?;
         Self::from_urdf(&text).map_err(|e| e.at(path.display().to_string()))
     }
@@ -74,44 +73,175 @@ mod tests {
             format!(r#"<collision><geometry><sphere radius="{size}"/></geometry></collision>"#)
         };
         let inertial = |mass: &str, ixx: &str, iyy: &str| {
-            format!(r#"<inertial><mass value="{mass}"/><inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="1"/></inertial>"#)
+            format!(
+                r#"<inertial><mass value="{mass}"/><inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="1"/></inertial>"#
+            )
         };
         for (text, message) in [
             (String::new(), "the file is empty"),
             ("<robot>".into(), "line 1"),
             ("<model/>".into(), "root element <model>"),
             ("<robot name='r'/>".into(), "no links"),
-            (arm("", "", "revolute", ""), "joint `shoulder`, line 4: a revolute joint without <limit>"),
-            (arm("", LIMIT, "planar", ""), "joint `shoulder`, line 4: a planar joint"),
+            (
+                arm("", "", "revolute", ""),
+                "joint `shoulder`, line 4: a revolute joint without <limit>",
+            ),
+            (
+                arm("", LIMIT, "planar", ""),
+                "joint `shoulder`, line 4: a planar joint",
+            ),
             (arm("", LIMIT, "hinge", ""), "joint type `hinge`"),
-            (arm("", &format!(r#"<axis xyz="0 0 0"/>{LIMIT}"#), "revolute", ""), "an axis of length zero"),
-            (arm("", &format!(r#"<axis xyz="1 0"/>{LIMIT}"#), "revolute", ""), "xyz=\"1 0\", expected 3 finite numbers"),
-            (arm("", &format!(r#"<origin xyz="1 2 x 3"/>{LIMIT}"#), "revolute", ""), "xyz=\"1 2 x 3\""),
-            (arm("", &format!(r#"<origin rpy="0 0 ${{pi}}"/>{LIMIT}"#), "revolute", ""), "unexpanded xacro"),
-            (arm("", r#"<limit lower="1" upper="-1" velocity="2" effort="5"/>"#, "revolute", ""), "lower limit 1 above upper limit -1"),
-            (arm("", r#"<limit lower="nan" upper="1" velocity="2" effort="5"/>"#, "revolute", ""), "lower=\"nan\""),
-            (arm("", r#"<limit lower="0" upper="1" velocity="-2" effort="5"/>"#, "revolute", ""), "negative velocity"),
-            (arm("", &format!(r#"{LIMIT}<mimic joint="shoulder"/>"#), "revolute", ""), "comes back to itself"),
-            (arm("", &format!(r#"{LIMIT}<mimic joint="ghost"/>"#), "revolute", ""), "no joint `ghost` to mimic"),
-            (arm("", LIMIT, "revolute", r#"<link name="arm"/>"#), "two links are called `arm`"),
-            (arm("", LIMIT, "revolute", r#"<link name="loose"/>"#), "2 roots"),
-            (arm("", LIMIT, "revolute", r#"<joint name="j" type="fixed"><parent link="arm"/><child link="ghost"/></joint>"#), "no link `ghost` to be its child"),
-            (arm("", LIMIT, "revolute", r#"<joint name="j" type="fixed"><parent link="arm"/><child link="base"/></joint>"#), "cycle"),
-            (arm("", LIMIT, "revolute", r#"<joint name="j" type="fixed"><parent link="base"/><child link="arm"/></joint>"#), "two parents"),
-            (arm(&sphere("-1"), LIMIT, "revolute", ""), "radius=\"-1\", expected positive lengths"),
-            (arm(&inertial("NaN", "1", "1"), LIMIT, "revolute", ""), "value=\"NaN\""),
-            (arm(&inertial("1", "-1", "1"), LIMIT, "revolute", ""), "not positive semidefinite"),
-            (format!("<!DOCTYPE r [<!ENTITY a 'b'>]>{}", arm("", LIMIT, "revolute", "")), "a document type declaration"),
-            (format!("<robot>{}{}</robot>", "<a>".repeat(100), "</a>".repeat(100)), "nest deeper"),
+            (
+                arm(
+                    "",
+                    &format!(r#"<axis xyz="0 0 0"/>{LIMIT}"#),
+                    "revolute",
+                    "",
+                ),
+                "an axis of length zero",
+            ),
+            (
+                arm("", &format!(r#"<axis xyz="1 0"/>{LIMIT}"#), "revolute", ""),
+                "xyz=\"1 0\", expected 3 finite numbers",
+            ),
+            (
+                arm(
+                    "",
+                    &format!(r#"<origin xyz="1 2 x 3"/>{LIMIT}"#),
+                    "revolute",
+                    "",
+                ),
+                "xyz=\"1 2 x 3\"",
+            ),
+            (
+                arm(
+                    "",
+                    &format!(r#"<origin rpy="0 0 ${{pi}}"/>{LIMIT}"#),
+                    "revolute",
+                    "",
+                ),
+                "unexpanded xacro",
+            ),
+            (
+                arm(
+                    "",
+                    r#"<limit lower="1" upper="-1" velocity="2" effort="5"/>"#,
+                    "revolute",
+                    "",
+                ),
+                "lower limit 1 above upper limit -1",
+            ),
+            (
+                arm(
+                    "",
+                    r#"<limit lower="nan" upper="1" velocity="2" effort="5"/>"#,
+                    "revolute",
+                    "",
+                ),
+                "lower=\"nan\"",
+            ),
+            (
+                arm(
+                    "",
+                    r#"<limit lower="0" upper="1" velocity="-2" effort="5"/>"#,
+                    "revolute",
+                    "",
+                ),
+                "negative velocity",
+            ),
+            (
+                arm(
+                    "",
+                    &format!(r#"{LIMIT}<mimic joint="shoulder"/>"#),
+                    "revolute",
+                    "",
+                ),
+                "comes back to itself",
+            ),
+            (
+                arm(
+                    "",
+                    &format!(r#"{LIMIT}<mimic joint="ghost"/>"#),
+                    "revolute",
+                    "",
+                ),
+                "no joint `ghost` to mimic",
+            ),
+            (
+                arm("", LIMIT, "revolute", r#"<link name="arm"/>"#),
+                "two links are called `arm`",
+            ),
+            (
+                arm("", LIMIT, "revolute", r#"<link name="loose"/>"#),
+                "2 roots",
+            ),
+            (
+                arm(
+                    "",
+                    LIMIT,
+                    "revolute",
+                    r#"<joint name="j" type="fixed"><parent link="arm"/><child link="ghost"/></joint>"#,
+                ),
+                "no link `ghost` to be its child",
+            ),
+            (
+                arm(
+                    "",
+                    LIMIT,
+                    "revolute",
+                    r#"<joint name="j" type="fixed"><parent link="arm"/><child link="base"/></joint>"#,
+                ),
+                "cycle",
+            ),
+            (
+                arm(
+                    "",
+                    LIMIT,
+                    "revolute",
+                    r#"<joint name="j" type="fixed"><parent link="base"/><child link="arm"/></joint>"#,
+                ),
+                "two parents",
+            ),
+            (
+                arm(&sphere("-1"), LIMIT, "revolute", ""),
+                "radius=\"-1\", expected positive lengths",
+            ),
+            (
+                arm(&inertial("NaN", "1", "1"), LIMIT, "revolute", ""),
+                "value=\"NaN\"",
+            ),
+            (
+                arm(&inertial("1", "-1", "1"), LIMIT, "revolute", ""),
+                "not positive semidefinite",
+            ),
+            (
+                format!(
+                    "<!DOCTYPE r [<!ENTITY a 'b'>]>{}",
+                    arm("", LIMIT, "revolute", "")
+                ),
+                "a document type declaration",
+            ),
+            (
+                format!("<robot>{}{}</robot>", "<a>".repeat(100), "</a>".repeat(100)),
+                "nest deeper",
+            ),
         ] {
             let error = Robot::from_urdf(&text).unwrap_err().to_string();
-            assert!(error.contains(message), "expected `{message}`, got: {error}");
+            assert!(
+                error.contains(message),
+                "expected `{message}`, got: {error}"
+            );
         }
     }
 
     #[test]
     fn leftovers_in_attributes_that_are_not_read_do_no_harm() {
-        let text = arm("", LIMIT, "revolute", r#"<ros2_control name="${name}"/><gazebo reference="${x}"/>"#);
+        let text = arm(
+            "",
+            LIMIT,
+            "revolute",
+            r#"<ros2_control name="${name}"/><gazebo reference="${x}"/>"#,
+        );
         assert!(Robot::from_urdf(&text).is_ok());
     }
 
@@ -123,7 +253,12 @@ mod tests {
             robot.bodies()[1].joint.clone().unwrap().axis.into_inner()
         };
         assert_eq!(axis(&text), nalgebra::Vector3::x());
-        let text = arm("", &format!(r#"<axis xyz="0 3 0"/>{LIMIT}"#), "revolute", "");
+        let text = arm(
+            "",
+            &format!(r#"<axis xyz="0 3 0"/>{LIMIT}"#),
+            "revolute",
+            "",
+        );
         assert_eq!(axis(&text), nalgebra::Vector3::y());
     }
 
@@ -138,6 +273,10 @@ mod tests {
         .unwrap();
         assert_eq!(robot.properties(0).velocity, None);
         assert_eq!(robot.properties(0).effort, None);
-        assert!(robot.notes().iter().any(|n| n.contains("`shoulder`")), "{:?}", robot.notes());
+        assert!(
+            robot.notes().iter().any(|n| n.contains("`shoulder`")),
+            "{:?}",
+            robot.notes()
+        );
     }
 }

@@ -29,7 +29,11 @@ impl Rollout {
     /// Root mean square of position less reference, by joint (D).
     pub fn rms_error(&self) -> DVector<f64> {
         let rows = self.times.len() as f64;
-        self.error().map_with_location(|_, _, e| e * e).row_sum().transpose().map(|s| (s / rows).sqrt())
+        self.error()
+            .map_with_location(|_, _, e| e * e)
+            .row_sum()
+            .transpose()
+            .map(|s| (s / rows).sqrt())
     }
 
     /// Largest |position - reference|, by joint (D).
@@ -40,7 +44,10 @@ impl Rollout {
 
     /// Largest |torque|, by joint (D).
     pub fn peak_torque(&self) -> DVector<f64> {
-        DVector::from_iterator(self.torque.ncols(), self.torque.column_iter().map(|c| c.amax()))
+        DVector::from_iterator(
+            self.torque.ncols(),
+            self.torque.column_iter().map(|c| c.amax()),
+        )
     }
 
     fn error(&self) -> DMatrix<f64> {
@@ -52,7 +59,12 @@ impl Rollout {
         let mut text = String::from("time_s");
         for joint in &self.joints {
             let name = quoted(joint);
-            for quantity in ["reference_rad", "position_rad", "velocity_rad_s", "torque_nm"] {
+            for quantity in [
+                "reference_rad",
+                "position_rad",
+                "velocity_rad_s",
+                "torque_nm",
+            ] {
                 let _ = write!(text, ",{}", name.replace("{}", quantity));
             }
         }
@@ -60,7 +72,12 @@ impl Rollout {
         for (n, t) in self.times.iter().enumerate() {
             let _ = write!(text, "{t}");
             for j in 0..self.joints.len() {
-                for series in [&self.reference, &self.position, &self.velocity, &self.torque] {
+                for series in [
+                    &self.reference,
+                    &self.position,
+                    &self.velocity,
+                    &self.torque,
+                ] {
                     let _ = write!(text, ",{}", series[(n, j)]);
                 }
             }

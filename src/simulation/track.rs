@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::world::{Motor, MultibodyWorld};
 use super::Rollout;
+use super::world::{Motor, MultibodyWorld};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{State, Wave};
 use crate::robot::{BodyJoint, Dynamics, GRAVITY, Robot};
@@ -73,8 +73,7 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
     state(-1, &mut before);
     state(0, &mut now);
     let velocity = (&now.position - &before.position) / dt;
-    let mut world =
-        MultibodyWorld::new(robot, now.position.as_slice(), velocity.as_slice(), dt)?;
+    let mut world = MultibodyWorld::new(robot, now.position.as_slice(), velocity.as_slice(), dt)?;
     let moving: Vec<(usize, &BodyJoint)> = robot
         .bodies()
         .iter()
@@ -131,22 +130,27 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
         if !q_after.iter().chain(v_after.iter()).all(|x| x.is_finite()) {
             return Err(Error::new(
                 ErrorKind::Infeasible,
-                format!("the simulation leaves the finite numbers after {:.3} s", (n + 1) as f64 * dt),
+                format!(
+                    "the simulation leaves the finite numbers after {:.3} s",
+                    (n + 1) as f64 * dt
+                ),
             )
             .help("take a smaller time step or bandwidth")
             .at(format!("robot `{}`", robot.name())));
         }
         // Motor impulses are not told by Rapier: they are what the motion that came of them needs.
         let came = (&v_after - &v) / dt;
-        let needed =
-            dynamics.inverse(robot, q.as_slice(), v.as_slice(), came.as_slice(), &GRAVITY);
+        let needed = dynamics.inverse(robot, q.as_slice(), v.as_slice(), came.as_slice(), &GRAVITY);
         for j in 0..joints {
             let properties = robot.properties(j);
             let effort = needed[j]
                 + properties.damping * v_after[j]
                 + properties.friction * signum(v_after[j]);
             torque[(n, j)] = effort;
-            if properties.effort.is_some_and(|limit| effort.abs() >= SATURATION * limit) {
+            if properties
+                .effort
+                .is_some_and(|limit| effort.abs() >= SATURATION * limit)
+            {
                 saturated[j] += 1;
             }
         }
@@ -176,19 +180,27 @@ impl TrackOptions {
             Err(Error::new(ErrorKind::Value, what).expected(expected.to_owned()))
         };
         if !(self.time_step > 0.0 && self.time_step <= 0.02) {
-            return refuse(format!("time step of {} s", self.time_step), "more than 0, at most 0.02 s");
+            return refuse(
+                format!("time step of {} s", self.time_step),
+                "more than 0, at most 0.02 s",
+            );
         }
         let stiffest = 1.0 / (std::f64::consts::PI * LEAST_DAMPING_TIME);
         if !(self.bandwidth > 0.0 && self.bandwidth <= stiffest) {
             return refuse(
                 format!("bandwidth of {} Hz", self.bandwidth),
-                &format!("more than 0, at most {stiffest:.1} Hz: stiffer motors limit-cycle when they saturate"),
+                &format!(
+                    "more than 0, at most {stiffest:.1} Hz: stiffer motors limit-cycle when they saturate"
+                ),
             );
         }
         let duration = self.duration.unwrap_or(wave.period());
         let steps = duration / self.time_step;
         if !(duration > 0.0 && steps <= 1e8) {
-            return refuse(format!("duration of {duration} s"), "a positive time of at most 1e8 steps");
+            return refuse(
+                format!("duration of {duration} s"),
+                "a positive time of at most 1e8 steps",
+            );
         }
         Ok(steps.round().max(1.0) as usize)
     }

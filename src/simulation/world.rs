@@ -82,11 +82,18 @@ impl MultibodyWorld {
     }
 
     fn place(&mut self, robot: &Robot, q: &[f64], v: &[f64]) {
-        let moving: Vec<&BodyJoint> =
-            robot.bodies().iter().filter_map(|b| b.joint.as_ref()).collect();
-        let Some(first) = self.joints.first().copied() else { return };
+        let moving: Vec<&BodyJoint> = robot
+            .bodies()
+            .iter()
+            .filter_map(|b| b.joint.as_ref())
+            .collect();
+        let Some(first) = self.joints.first().copied() else {
+            return;
+        };
         let world = &mut self.world;
-        let Some((multibody, _)) = world.multibody_joints.get_mut(first) else { return };
+        let Some((multibody, _)) = world.multibody_joints.get_mut(first) else {
+            return;
+        };
         multibody.set_self_contacts_enabled(false);
         // The base is fixed: this call removes its six degrees of freedom, and only then do indices hold.
         multibody.forward_kinematics(&world.bodies, true);
@@ -132,7 +139,9 @@ impl MultibodyWorld {
         let Some((multibody, id)) = self.world.multibody_joints.get(self.joints[body - 1]) else {
             return (f64::NAN, f64::NAN);
         };
-        let Some(link) = multibody.link(id) else { return (f64::NAN, f64::NAN) };
+        let Some(link) = multibody.link(id) else {
+            return (f64::NAN, f64::NAN);
+        };
         let coordinate = match self.axes[body - 1] {
             JointAxis::LinX => 0,
             _ => 3,
@@ -174,7 +183,9 @@ pub(super) struct Motor {
 
 /// Where the joint number `joint` stands in the multibody's vectors: links are in the order of insertion, after the root.
 fn index(multibody: &Multibody, joint: usize) -> usize {
-    multibody.link(joint + 1).map_or(joint, |link| link.assembly_id())
+    multibody
+        .link(joint + 1)
+        .map_or(joint, |link| link.assembly_id())
 }
 
 fn rigid_body(body: &Body) -> RigidBodyBuilder {
@@ -200,7 +211,10 @@ fn generic_joint(joint: &BodyJoint, limits: Option<[f64; 2]>) -> (JointAxis, Gen
         Vector::new(0.0, 0.0, 0.0),
         GenericJoint::complete_ang_frame(Vector::new(a.x, a.y, a.z)),
     );
-    let (t, r) = (&joint.origin.translation.vector, &joint.origin.rotation.coords);
+    let (t, r) = (
+        &joint.origin.translation.vector,
+        &joint.origin.rotation.coords,
+    );
     let origin = Pose::from_parts(
         Vector::new(t.x, t.y, t.z),
         Rotation::from_xyzw(r.x, r.y, r.z, r.w),

@@ -33,7 +33,12 @@ impl fmt::Display for Alarm {
         write!(
             f,
             "{} is off: statistic {:.4} outside {:.4} .. {:.4} with N = {} (a ratio of variances of {:.3} would be caught with 99 % power)",
-            self.what, self.statistic, self.bounds.0, self.bounds.1, self.samples, self.detectable_ratio
+            self.what,
+            self.statistic,
+            self.bounds.0,
+            self.bounds.1,
+            self.samples,
+            self.detectable_ratio
         )
     }
 }
@@ -120,7 +125,11 @@ pub fn gaussian(
     for i in 0..rank {
         for j in 0..=i {
             let (a, b, c) = (products[(i, i)], products[(j, j)], products[(i, j)]);
-            let along = if i == j { vec![a] } else { vec![(a + b) / 2.0 + c, (a + b) / 2.0 - c] };
+            let along = if i == j {
+                vec![a]
+            } else {
+                vec![(a + b) / 2.0 + c, (a + b) / 2.0 - c]
+            };
             for statistic in along {
                 if !(bounds.0..=bounds.1).contains(&statistic) {
                     return Err(alarm("variance", statistic, bounds));

@@ -18,11 +18,8 @@ pub fn waves(
 ) -> impl Strategy<Value = Wave> {
     (joints, harmonics, 0.5..10.0).prop_flat_map(|(joints, harmonics, period)| {
         let polar = (-4.0..-0.5f64, 0.0..std::f64::consts::TAU);
-        (
-            vec(polar, joints * harmonics),
-            vec(-2.0..2.0f64, joints),
-        )
-            .prop_map(move |(weights, offsets)| {
+        (vec(polar, joints * harmonics), vec(-2.0..2.0f64, joints)).prop_map(
+            move |(weights, offsets)| {
                 let weights = weights
                     .iter()
                     .map(|(logarithm, phase)| Complex::from_polar(logarithm.exp(), *phase));
@@ -34,7 +31,8 @@ pub fn waves(
                     DMatrix::from_iterator(joints, harmonics, weights),
                 )
                 .expect("drawn within what a wave may be")
-            })
+            },
+        )
     })
 }
 

@@ -11,6 +11,10 @@ pub fn shared(what: &str) -> Option<PathBuf> {
     };
     // Tests run in the package's folder, as the path in the variable is meant.
     let folder = PathBuf::from(folder);
-    assert!(folder.is_dir(), "UNDULATE_SHARED={} is not a folder", folder.display());
+    assert!(
+        folder.is_dir(),
+        "UNDULATE_SHARED={} is not a folder",
+        folder.display()
+    );
     Some(folder)
 }

@@ -1,0 +1,61 @@
+//! Forward kinematics against Rapier's multibody, over random configurations.
+
+mod common;
+
+use common::shared;
+use rand::RngExt;
+use undulate::{MultibodyWorld, Robot, shipped, stream};
+
+const CONFIGURATIONS: u64 = 200;
+
+fn compare(robot: &Robot) {
+    let still = vec![0.0; robot.joints().len()];
+    for seed in 0..CONFIGURATIONS {
+        let mut rng = stream(seed, 0);
+        let q: Vec<f64> = (0..robot.joints().len())
+            .map(|j| {
+                let (low, high) = robot
+                    .properties(j)
+                    .position
+                    .map_or((-3.0, 3.0), |p| (p.lower.max(-6.0), p.upper.min(6.0)));
+                low + (high - low) * rng.random::<f64>()
+            })
+            .collect();
+        let world = MultibodyWorld::new(robot, &q, &still, 1e-3).unwrap();
+        for ((body, ours), theirs) in robot
+            .bodies()
+            .iter()
+            .zip(robot.body_poses(&q))
+            .zip(world.body_poses())
+        {
+            let offset = (ours.translation.vector - theirs.translation.vector).norm();
+            let angle = ours.rotation.angle_to(&theirs.rotation);
+            // arccos in the angle between two quaternions costs half of the digits.
+            assert!(
+                offset < 1e-12 && angle < 1e-7,
+                "{} {}: {offset:e} m, {angle:e} rad",
+                robot.name(),
+                body.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_shipped_arm_agrees() {
+    compare(&shipped::robot("wave_arm").unwrap());
+}
+
+#[test]
+fn three_real_robots_agree() {
+    let Some(folder) = shared("Rapier's kinematics of real robots") else {
+        return;
+    };
+    for file in [
+        "ur5/ur5_robot.urdf",
+        "kuka_kr16_2/kr16_2.urdf",
+        "wx250s_6dof/wx250s.urdf",
+    ] {
+        compare(&Robot::open(&folder.join("robots").join(file)).unwrap());
+    }
+}
