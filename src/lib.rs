@@ -93,6 +93,7 @@ pub mod cli;
 mod collision;
 mod demonstration;
 mod document;
+mod elementary;
 mod error;
 #[cfg(feature = "robot")]
 mod feasibility;

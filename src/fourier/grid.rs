@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::{Derivative, Wave};
 
 /// Points computed together: independent sums, so that the compiler may use vectors without changing a result.
-const LANES: usize = 4;
+const LANES: usize = 8;
 
 /// The grid t_n = n T / N, n = 0..N, with the cosines and sines of every harmonic up to K on it.
 ///
@@ -18,10 +18,12 @@ const LANES: usize = 4;
 pub struct PeriodGrid {
     points: usize,
     harmonics: usize,
-    /// Points to sum, rounded up to whole blocks of `LANES`.
+    /// Points whose sums are formed; the rest follows from them.
+    summed: usize,
+    /// The same in whole blocks of `LANES`.
     blocks: usize,
-    /// Block by block, harmonic by harmonic: `LANES` cosines, then `LANES` sines.
-    table: Vec<[[f64; LANES]; 2]>,
+    /// Of the even harmonics and of the odd ones: block by block, harmonic by harmonic, `LANES` cosines and `LANES` sines.
+    tables: [Vec<[[f64; LANES]; 2]>; 2],
 }
 
 impl PeriodGrid {
@@ -30,19 +32,19 @@ impl PeriodGrid {
         let turn: Vec<(f64, f64)> = (0..points)
             .map(|n| libm::sincos(std::f64::consts::TAU * n as f64 / points as f64))
             .collect();
-        let base = if points == 0 {
+        let summed = if points == 0 {
             0
         } else if points.is_multiple_of(2) {
             points / 4 + 1
         } else {
             points / 2 + 1
         };
-        let blocks = base.div_ceil(LANES);
-        let mut table = Vec::with_capacity(blocks * harmonics);
+        let blocks = summed.div_ceil(LANES);
+        let mut tables = [Vec::new(), Vec::new()];
         for block in 0..blocks {
             for k in 1..=harmonics {
                 let at = |lane: usize| turn[(k * (block * LANES + lane)) % points];
-                table.push([
+                tables[k % 2].push([
                     std::array::from_fn(|lane| at(lane).1),
                     std::array::from_fn(|lane| at(lane).0),
                 ]);
@@ -51,8 +53,9 @@ impl PeriodGrid {
         Self {
             points,
             harmonics,
+            summed,
             blocks,
-            table,
+            tables,
         }
     }
 
@@ -77,10 +80,12 @@ impl PeriodGrid {
         let order = derivative.order();
         let mut values = DMatrix::zeros(self.points, joints);
         // Twice the weights of the derivative, as cosine and sine coefficients of one joint.
-        let mut coefficients = vec![(0.0, 0.0); wave.harmonics()];
+        // By parity of the harmonic.
+        let mut coefficients = [Vec::new(), Vec::new()];
         for d in 0..joints {
             let offset = if order == 0 { wave.offsets()[d] } else { 0.0 };
-            for (k, c) in coefficients.iter_mut().enumerate() {
+            coefficients.iter_mut().for_each(Vec::clear);
+            for k in 0..wave.harmonics() {
                 let weight = wave.weights()[(d, k)];
                 let scale = 2.0
                     * (0..order).fold(1.0, |s, _| s * (k + 1) as f64 * wave.angular_frequency());
@@ -91,53 +96,64 @@ impl PeriodGrid {
                     2 => (-weight.re, -weight.im),
                     _ => (weight.im, -weight.re),
                 };
-                *c = (scale * re, -scale * im);
+                coefficients[(k + 1) % 2].push((scale * re, -scale * im));
             }
             self.fold(offset, &coefficients, values.column_mut(d).as_mut_slice());
         }
         values
     }
 
-    fn fold(&self, offset: f64, coefficients: &[(f64, f64)], values: &mut [f64]) {
-        let n_points = self.points;
+    fn fold(&self, offset: f64, coefficients: &[Vec<(f64, f64)>; 2], values: &mut [f64]) {
+        let n = self.points;
         for block in 0..self.blocks {
-            let tables = &self.table[block * self.harmonics..][..coefficients.len()];
-            // [even harmonics, odd harmonics] of the part even and the part odd in time.
-            let mut even = [[0.0; LANES]; 2];
-            let mut odd = [[0.0; LANES]; 2];
-            for (k, (table, &(a, b))) in tables.iter().zip(coefficients).enumerate() {
-                let parity = (k + 1) % 2;
-                for lane in 0..LANES {
-                    even[parity][lane] += a * table[0][lane];
-                    odd[parity][lane] += b * table[1][lane];
-                }
-            }
+            let [(even_cos, even_sin), (odd_cos, odd_sin)] = [0, 1].map(|parity| {
+                let table = &self.tables[parity];
+                sums(
+                    &table[block * (table.len() / self.blocks)..],
+                    &coefficients[parity],
+                )
+            });
             for lane in 0..LANES {
-                let n = block * LANES + lane;
-                if n_points.is_multiple_of(2) {
-                    if n > n_points / 4 {
-                        break;
-                    }
-                    let ([ce, co], [se, so]) =
-                        ([even[0][lane], even[1][lane]], [odd[0][lane], odd[1][lane]]);
-                    values[n] = offset + ((ce + co) + (se + so));
-                    values[n_points / 2 - n] = offset + ((ce - co) - (se - so));
-                    if n > 0 {
-                        values[n_points - n] = offset + ((ce + co) - (se + so));
-                        values[n_points / 2 + n] = offset + ((ce - co) + (se - so));
-                    }
-                } else {
-                    if n > n_points / 2 {
-                        break;
-                    }
-                    let cosines = even[0][lane] + even[1][lane];
-                    let sines = odd[0][lane] + odd[1][lane];
-                    values[n] = offset + (cosines + sines);
-                    if n > 0 {
-                        values[n_points - n] = offset + (cosines - sines);
+                let at = block * LANES + lane;
+                if at >= self.summed {
+                    return;
+                }
+                // The part even in time and the part odd in time, at `at` and at n/2 - `at`.
+                let (cosines, sines) = (
+                    even_cos[lane] + odd_cos[lane],
+                    even_sin[lane] + odd_sin[lane],
+                );
+                values[at] = offset + (cosines + sines);
+                if at > 0 {
+                    values[n - at] = offset + (cosines - sines);
+                }
+                if n.is_multiple_of(2) {
+                    let (cosines, sines) = (
+                        even_cos[lane] - odd_cos[lane],
+                        odd_sin[lane] - even_sin[lane],
+                    );
+                    values[n / 2 - at] = offset + (cosines + sines);
+                    if at > 0 {
+                        values[n / 2 + at] = offset + (cosines - sines);
                     }
                 }
             }
         }
     }
+}
+
+/// Sums of the cosine and of the sine terms over the harmonics of one parity, for the points of a block.
+#[inline(never)] // inlined, loops of different parity are woven into each other and become no vectors
+fn sums(table: &[[[f64; LANES]; 2]], coefficients: &[(f64, f64)]) -> ([f64; LANES], [f64; LANES]) {
+    let mut even = [0.0; LANES];
+    let mut odd = [0.0; LANES];
+    for ([cosines, sines], (a, b)) in table.iter().zip(coefficients) {
+        for (sum, cos) in even.iter_mut().zip(cosines) {
+            *sum += a * cos;
+        }
+        for (sum, sin) in odd.iter_mut().zip(sines) {
+            *sum += b * sin;
+        }
+    }
+    (even, odd)
 }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::observation::Coordinate;
+use crate::elementary::{LARGEST, exp, sin_cos};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
@@ -152,19 +153,41 @@ impl LogPolar {
         Ok(x)
     }
 
-    /// The wave of a vector. Panics when `x` is not of this chart's dimension.
+    /// The wave of a vector.
     ///
     /// # Errors
-    /// When `x` is not finite or a modulus overflows.
+    /// When `x` is not of this chart's dimension, or an entry is not a number or beyond +-600, where a
+    /// modulus would overflow.
     pub fn wave(&self, x: &DVector<f64>) -> Result<Wave> {
-        assert_eq!(x.len(), self.dimension(), "vector of another chart");
-        let weights = DMatrix::from_fn(self.joints.len(), self.harmonics, |d, k| {
-            let i = d * self.harmonics + k;
-            let modulus = libm::exp(x[i]);
-            let (sin, cos) = libm::sincos(x[self.phases() + i]);
-            Complex::new(modulus * cos, modulus * sin)
-        });
-        let offsets = x.rows(2 * self.phases(), self.joints.len()).into_owned();
+        if x.len() != self.dimension() {
+            return Err(
+                Error::new(ErrorKind::Shape, format!("a vector of {}", x.len()))
+                    .expected(format!("{} entries, 2 D K + D", self.dimension())),
+            );
+        }
+        if let Some(i) = x.iter().position(|v| v.abs() > LARGEST || v.is_nan()) {
+            let place = self
+                .coordinate(i)
+                .map_or_else(String::new, |c| c.to_string());
+            return Err(
+                Error::new(ErrorKind::Value, format!("entry {i} is {}", x[i]))
+                    .expected(format!("a number within +-{LARGEST}"))
+                    .at(place),
+            );
+        }
+        let (logarithms, rest) = x.as_slice().split_at(self.phases());
+        let (phases, offsets) = rest.split_at(self.phases());
+        let polar: Vec<Complex<f64>> = logarithms
+            .iter()
+            .zip(phases)
+            .map(|(logarithm, phase)| {
+                let modulus = exp(*logarithm);
+                let (sin, cos) = sin_cos(*phase);
+                Complex::new(modulus * cos, modulus * sin)
+            })
+            .collect();
+        let weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &polar);
+        let offsets = DVector::from_column_slice(offsets);
         Wave::new(self.joints.clone(), self.period, offsets, weights)
     }
 }

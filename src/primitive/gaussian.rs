@@ -114,9 +114,10 @@ impl Gaussian {
         let mut z = vec![0.0; self.rank()];
         normal::fill(rng, &mut z);
         let mut x = self.mean.clone();
-        // Column by column: a fixed order of summation, the same bits everywhere.
-        for (column, z) in self.factor.column_iter().zip(z) {
-            for (x, f) in x.iter_mut().zip(column.iter()) {
+        // Column by column: a fixed order of summation, the same bits everywhere. Slices, so that it becomes vectors.
+        for (j, z) in z.into_iter().enumerate() {
+            let column = self.factor.column(j);
+            for (x, f) in x.as_mut_slice().iter_mut().zip(column.as_slice()) {
                 *x += f * z;
             }
         }

@@ -13,7 +13,7 @@ use crate::robot::{Body, BodyJoint, GRAVITY, JointKind, Robot};
 
 /// Iterations of the constraint solver within a step; with fewer, motors near their limits are not resolved,
 /// and more than one outer step leaves a jitter of 1e-3 rad/s.
-const SOLVER_ITERATIONS: usize = 12;
+const SOLVER_ITERATIONS: usize = 8;
 
 /// A robot on its fixed base in a Rapier world with gravity: one multibody, one link a body, without colliders
 /// (whether a motion touches is the business of the collision model).

@@ -1,0 +1,182 @@
+//! Each stage beside a plain reference in the same run: on a shared machine, trust the ratios.
+//!
+//! `cargo bench` prints medians; figures to be met are in the names' comments.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion};
+use rand::distr::Distribution;
+use undulate::{
+    Demonstrations, Derivative, FourierMovementPrimitive, JointKind, PeriodGrid, Robot,
+    TrackOptions, Wave, shipped, stream, synthetic, track,
+};
+
+const HARMONICS: usize = 25;
+const POINTS: usize = 500;
+
+/// Least squares by the normal equations of the literal design matrix, the covariance as a full matrix.
+fn plain_learn(demonstrations: &Demonstrations) -> (DVector<f64>, DMatrix<f64>) {
+    let w = std::f64::consts::TAU / demonstrations.period();
+    let vectors: Vec<DVector<f64>> = demonstrations
+        .recordings()
+        .iter()
+        .map(|recording| {
+            let design = DMatrix::from_fn(recording.times().len(), 2 * HARMONICS + 1, |n, j| {
+                let k = j.div_ceil(2) as f64;
+                let angle = k * w * recording.times()[n];
+                match j {
+                    0 => 1.0,
+                    _ if j % 2 == 1 => 2.0 * angle.cos(),
+                    _ => -2.0 * angle.sin(),
+                }
+            });
+            let gram = design.tr_mul(&design);
+            let right = design.tr_mul(recording.positions());
+            let weights = gram.cholesky().unwrap().solve(&right);
+            let joints = weights.ncols();
+            let mut x = Vec::new();
+            for d in 0..joints {
+                x.extend(
+                    (0..HARMONICS)
+                        .map(|k| weights[(2 * k + 1, d)].hypot(weights[(2 * k + 2, d)]).ln()),
+                );
+            }
+            for d in 0..joints {
+                x.extend(
+                    (0..HARMONICS).map(|k| weights[(2 * k + 2, d)].atan2(weights[(2 * k + 1, d)])),
+                );
+            }
+            x.extend(weights.row(0).iter());
+            DVector::from_vec(x)
+        })
+        .collect();
+    let count = vectors.len() as f64;
+    let mean = vectors.iter().sum::<DVector<f64>>() / count;
+    let mut covariance = DMatrix::zeros(mean.len(), mean.len());
+    for x in &vectors {
+        let deviation = x - &mean;
+        covariance.ger(1.0 / count, &deviation, &deviation, 1.0);
+    }
+    (mean, covariance)
+}
+
+/// The series, term by term.
+fn plain_evaluate(wave: &Wave) -> DMatrix<f64> {
+    let w = wave.angular_frequency();
+    DMatrix::from_fn(POINTS, wave.joints().len(), |n, d| {
+        let t = wave.period() * n as f64 / POINTS as f64;
+        wave.offsets()[d]
+            + (1..=wave.harmonics())
+                .map(|k| {
+                    let (sin, cos) = (k as f64 * w * t).sin_cos();
+                    let weight = wave.weights()[(d, k - 1)];
+                    2.0 * (weight.re * cos - weight.im * sin)
+                })
+                .sum::<f64>()
+    })
+}
+
+/// Each body by walking down from the base.
+fn plain_kinematics(robot: &Robot, q: &[f64]) -> Vec<Isometry3<f64>> {
+    (0..robot.bodies().len())
+        .map(|mut body| {
+            let mut pose = Isometry3::identity();
+            while let Some(joint) = &robot.bodies()[body].joint {
+                let position = joint.multiplier * q[joint.index] + joint.offset;
+                let step = match joint.kind {
+                    JointKind::Revolute => Isometry3::from_parts(
+                        Default::default(),
+                        UnitQuaternion::from_axis_angle(&joint.axis, position),
+                    ),
+                    JointKind::Prismatic => Isometry3::from_parts(
+                        (joint.axis.into_inner() * position).into(),
+                        Default::default(),
+                    ),
+                };
+                pose = joint.origin * step * pose;
+                body = robot.bodies()[body].parent;
+            }
+            pose
+        })
+        .collect()
+}
+
+/// Learning 15 x 5 x 500 with K = 25: below 0.4 ms.
+fn learning(c: &mut Criterion) {
+    let demonstrations = synthetic(0).unwrap();
+    let mut group = c.benchmark_group("learn");
+    group.bench_function("ours", |b| {
+        b.iter(|| FourierMovementPrimitive::learn(black_box(&demonstrations), HARMONICS).unwrap());
+    });
+    group.bench_function("plain", |b| {
+        b.iter(|| plain_learn(black_box(&demonstrations)))
+    });
+    group.finish();
+}
+
+/// One sampled wave on 500 points: below 15 us.
+fn sampling(c: &mut Criterion) {
+    let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), HARMONICS).unwrap();
+    let grid = PeriodGrid::new(POINTS, HARMONICS);
+    let mut rng = stream(0, 0);
+    let mut group = c.benchmark_group("sample");
+    group.bench_function("ours", |b| {
+        b.iter(|| {
+            primitive
+                .sample(&mut rng)
+                .on_grid(&grid, Derivative::Position)
+        });
+    });
+    group.bench_function("draw only", |b| b.iter(|| primitive.sample(&mut rng)));
+    group.bench_function("plain", |b| {
+        b.iter(|| plain_evaluate(&primitive.sample(&mut rng)))
+    });
+    group.finish();
+}
+
+/// All body poses of the shipped arm: below 1 us.
+fn kinematics(c: &mut Criterion) {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let q = [0.2, 1.2, -1.3, 1.9, 0.1, 0.05];
+    let mut poses = robot.body_poses(&q);
+    let mut group = c.benchmark_group("kinematics");
+    group.bench_function("ours", |b| {
+        b.iter(|| robot.body_poses_into(black_box(&q), &mut poses))
+    });
+    group.bench_function("plain", |b| {
+        b.iter(|| plain_kinematics(&robot, black_box(&q)))
+    });
+    group.finish();
+}
+
+/// One second of tracking at 1 kHz: below 20 ms, 50 times faster than real time. The reference is the same second with
+/// motors alone, which is Rapier and nothing else.
+fn simulation(c: &mut Criterion) {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let map = shipped::map("wave_arm_demonstrator").unwrap();
+    let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), HARMONICS).unwrap();
+    let wave = map
+        .apply(&primitive.sample(&mut stream(0, 1)), &robot)
+        .unwrap();
+    let options = TrackOptions {
+        duration: Some(1.0),
+        ..TrackOptions::default()
+    };
+    let motors = TrackOptions {
+        feed_forward: false,
+        ..options.clone()
+    };
+    let mut group = c.benchmark_group("simulate one second");
+    group.sample_size(20);
+    group.bench_function("ours", |b| {
+        b.iter(|| track(&robot, &wave, &options).unwrap())
+    });
+    group.bench_function("motors alone", |b| {
+        b.iter(|| track(&robot, &wave, &motors).unwrap())
+    });
+    group.finish();
+}
+
+criterion_group!(stages, learning, sampling, kinematics, simulation);
+criterion_main!(stages);
