@@ -139,6 +139,11 @@ pub use robot::{
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
 
+/// The README's example is a doctest.
+#[cfg(all(doctest, feature = "simulation"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 /// What is handed to threads must be fit for them.
 const _: () = {
     const fn shared<T: Send + Sync>() {}

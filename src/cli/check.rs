@@ -27,7 +27,12 @@ pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     /// The largest distance [m] that a link may move between two samples.
-    #[arg(long, value_name = "METRES", default_value_t = 0.002)]
+    #[arg(
+        long,
+        value_name = "METRES",
+        allow_negative_numbers = true,
+        default_value_t = 0.002
+    )]
     step: f64,
     /// Two links that are not to be kept apart; may be given several times.
     #[arg(long, value_name = "LINK:LINK")]

@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     degrees: bool,
     /// The common period T [s] [default: the span for which (recordings kept) x T is largest].
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// The highest harmonic, K.
     #[arg(long, short = 'k', value_name = "K", default_value_t = 25)]

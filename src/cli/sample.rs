@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "CONDITION")]
     given: Vec<Observation>,
     /// Write a table of joint positions beside each wave file, so many rows a second (`time_s`, then a column a joint [rad]).
-    #[arg(long, value_name = "HERTZ")]
+    #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
     csv: Option<f64>,
     /// A wave file (`.json`) for one wave, or a folder for wave_0000.json and so on.
     #[arg(long, short, value_name = "FILE|FOLDER")]

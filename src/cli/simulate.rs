@@ -25,13 +25,18 @@ pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     /// How long [s] [default: one period].
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Step of simulation and controller [s].
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.001)]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        allow_negative_numbers = true,
+        default_value_t = 0.001
+    )]
     time_step: f64,
     /// Natural frequency of the position loops [Hz].
-    #[arg(long, value_name = "HERTZ", default_value_t = TrackOptions::default().bandwidth)]
+    #[arg(long, value_name = "HERTZ", allow_negative_numbers = true, default_value_t = TrackOptions::default().bandwidth)]
     bandwidth: f64,
     /// Motors alone, without the torque that the model says the motion needs.
     #[arg(long)]
