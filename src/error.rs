@@ -13,6 +13,8 @@ pub enum ErrorKind {
     Syntax,
     /// A number is not finite, out of its range, or otherwise not a value of the quantity it stands for.
     Value,
+    /// A setting of the caller's, not a datum, is out of its range: a time step, a number of harmonics.
+    Setting,
     /// Counts do not fit together: samples and harmonics, joints of two files, rows and columns.
     Shape,
     /// A name (joint, link, file, coordinate) that is not there, or is there twice.
@@ -141,6 +143,27 @@ impl fmt::Debug for Error {
 
 impl std::error::Error for Error {}
 
+/// Names in one line, for a message: not more than a dozen, and none at any length.
+pub(crate) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    const MOST: usize = 12;
+    const LONGEST: usize = 40;
+    let mut shown: Vec<String> = names
+        .iter()
+        .take(MOST)
+        .map(|name| {
+            let name = name.as_ref();
+            match name.char_indices().nth(LONGEST) {
+                Some((end, _)) => format!("{}..", &name[..end]),
+                None => name.to_owned(),
+            }
+        })
+        .collect();
+    if names.len() > MOST {
+        shown.push(format!("and {} more", names.len() - MOST));
+    }
+    shown.join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,5 +175,18 @@ mod tests {
             .at("map.toml");
         assert_eq!(error.to_string(), "map.toml, line 3: no joint `elbo`");
         assert_eq!(error.places().collect::<Vec<_>>(), ["map.toml", "line 3"]);
+    }
+
+    #[test]
+    fn lists_stay_short_whatever_they_list() {
+        let names: Vec<String> = (0..1000)
+            .map(|i| format!("{i}{}", "é".repeat(100)))
+            .collect();
+        let text = listed(&names);
+        assert!(
+            text.chars().count() < 700 && text.ends_with("and 988 more"),
+            "{text}"
+        );
+        assert_eq!(listed(&["a", "b"]), "a, b");
     }
 }

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 use serde::Deserialize;
 
 use crate::error::{Error, ErrorKind, Result};
@@ -82,6 +84,13 @@ impl Angle {
     }
 }
 
+/// A robot joint as an affine function of a learned one, or a constant.
+struct Row {
+    source: Option<usize>,
+    gain: f64,
+    offset: f64,
+}
+
 impl JointMap {
     /// Reads a map.
     ///
@@ -123,10 +132,21 @@ impl JointMap {
     /// When the map names a joint that the robot or the wave lacks, or a robot joint has no source.
     pub fn apply(&self, wave: &Wave, robot: &Robot) -> Result<Wave> {
         let rows = self.rows(wave.joints(), robot)?;
-        wave.affine(robot.joints().clone(), &rows)
+        let offsets = DVector::from_iterator(
+            rows.len(),
+            rows.iter().map(|row| match row.source {
+                Some(s) => row.gain * wave.offsets()[s] + row.offset,
+                None => row.offset,
+            }),
+        );
+        let weights = DMatrix::from_fn(rows.len(), wave.harmonics(), |j, k| match rows[j].source {
+            Some(s) => wave.weights()[(s, k)] * rows[j].gain,
+            None => Complex::ZERO,
+        });
+        Wave::new(robot.joints().clone(), wave.period(), offsets, weights)
     }
 
-    fn rows(&self, learned: &Joints, robot: &Robot) -> Result<Vec<(Option<usize>, f64, f64)>> {
+    fn rows(&self, learned: &Joints, robot: &Robot) -> Result<Vec<Row>> {
         // What the map says is looked at before what it lacks.
         for (joint, source) in &self.0 {
             let here = |e: Error| e.at(format!("joint map, robot joint `{joint}`"));
@@ -148,11 +168,11 @@ impl JointMap {
             .joints()
             .iter()
             .map(|joint| match self.0.get(joint) {
-                Some(Source::Constant(position)) => Ok((None, 0.0, *position)),
+                Some(Source::Constant(position)) => Ok(Row { source: None, gain: 0.0, offset: *position }),
                 Some(Source::Learned { joint: from, gain, offset }) => {
-                    Ok((Some(learned.index(from)?), *gain, *offset))
+                    Ok(Row { source: Some(learned.index(from)?), gain: *gain, offset: *offset })
                 }
-                None => learned.index(joint).map(|source| (Some(source), 1.0, 0.0)).map_err(|_| {
+                None => learned.index(joint).map(|source| Row { source: Some(source), gain: 1.0, offset: 0.0 }).map_err(|_| {
                     Error::new(ErrorKind::Name, "nothing moves it")
                         .expected(format!("an entry in the joint map, or a learned joint of this name among {}", learned.listed()))
                         .help("`undulate map --init` writes a map to start from")

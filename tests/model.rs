@@ -120,15 +120,6 @@ proptest! {
     }
 
     #[test]
-    fn affine_maps_act_on_positions(wave in waves(2..=3, 1..=4), gain in -2.0..2.0f64, shift in -1.0..1.0f64, t in 0.0..5.0f64) {
-        let rows = [(Some(1), gain, shift), (None, 0.0, shift)];
-        let names = undulate::Joints::new(["p", "q"]).unwrap();
-        let mapped = wave.affine(names, &rows).unwrap().position(t);
-        prop_assert!((mapped[0] - (gain * wave.position(t)[1] + shift)).abs() < 1e-13);
-        prop_assert_eq!(mapped[1], shift);
-    }
-
-    #[test]
     fn derivatives_are_limits_of_differences(wave in waves(1..=2, 1..=4), t in 0.0..5.0f64) {
         let h = 1e-5 * wave.period() / wave.harmonics() as f64;
         let (before, at, after) = (wave.state(t - h), wave.state(t), wave.state(t + h));

@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             pair.split_once(':')
                 .map(|(a, b)| (a.to_owned(), b.to_owned()))
                 .ok_or_else(|| {
-                    Error::new(ErrorKind::Syntax, format!("--leave-out {pair}"))
+                    Error::new(ErrorKind::Setting, format!("--leave-out {pair}"))
                         .expected("LINK:LINK")
                 })
         })

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{Outcome, output};
 use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::primitive::FourierMovementPrimitive;
 
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
@@ -62,6 +62,17 @@ pub(super) struct Arguments {
 impl Arguments {
     fn demonstrations(&self) -> Result<Demonstrations> {
         if self.inputs.is_empty() && self.list.is_none() {
+            let about_files = self.joints.is_some()
+                || self.degrees
+                || self.remove_drift
+                || self.duration.is_some();
+            if about_files {
+                return Err(Error::new(
+                    ErrorKind::Setting,
+                    "options for recordings, and no recordings",
+                )
+                .expected("CSV files, a folder of them, or --list"));
+            }
             return synthetic(self.seed);
         }
         let mut files = Vec::new();

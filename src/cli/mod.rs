@@ -74,7 +74,10 @@ pub fn main() -> ExitCode {
         Ok(Outcome::Refused) => ExitCode::from(3),
         Err(error) => {
             output::failure(&error);
-            ExitCode::FAILURE
+            match error.kind() {
+                ErrorKind::Setting => ExitCode::from(2),
+                _ => ExitCode::FAILURE,
+            }
         }
     }
 }

@@ -11,6 +11,9 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Derivative, PeriodGrid, Wave};
 use crate::primitive::{Observation, stream};
 
+/// No table is longer.
+const MOST_ROWS: f64 = 1e7;
+
 /// Draw waves from a model.
 #[derive(Args)]
 #[command(
@@ -46,7 +49,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let is_file = arguments.output.extension().is_some_and(|e| e == "json");
     if arguments.count == 0 || (is_file && arguments.count != 1) {
         return Err(
-            Error::new(ErrorKind::Value, format!("{} waves", arguments.count)).expected(
+            Error::new(ErrorKind::Setting, format!("{} waves", arguments.count)).expected(
                 if is_file {
                     "1 for a file; name a folder for more"
                 } else {
@@ -57,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let rows = match arguments.csv {
         Some(rate) if !(rate > 0.0 && rate <= 1e6) => {
-            return Err(Error::new(ErrorKind::Value, format!("--csv {rate}"))
+            return Err(Error::new(ErrorKind::Setting, format!("--csv {rate}"))
                 .expected("rows a second, more than 0 and at most 1e6"));
         }
         rate => rate,
@@ -69,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         let index = arguments
             .first
             .checked_add(i)
-            .ok_or_else(|| Error::new(ErrorKind::Value, "--first is too large"))?;
+            .ok_or_else(|| Error::new(ErrorKind::Setting, "--first is too large"))?;
         let wave = primitive.sample(&mut stream(arguments.seed, index));
         let path = if is_file {
             arguments.output.clone()
@@ -101,7 +104,14 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
 }
 
 fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {
-    let points = (rate * wave.period()).round().max(1.0) as usize;
+    let points = (rate * wave.period()).round().max(1.0);
+    if points > MOST_ROWS {
+        return Err(
+            Error::new(ErrorKind::Setting, format!("--csv {rate}: {points:e} rows"))
+                .expected(format!("at most {MOST_ROWS:e}")),
+        );
+    }
+    let points = points as usize;
     let grid = PeriodGrid::new(points, wave.harmonics());
     let positions = wave.on_grid(&grid, Derivative::Position);
     let mut writer = csv::Writer::from_writer(Vec::new());

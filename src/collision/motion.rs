@@ -41,7 +41,7 @@ impl CollisionModel {
     pub fn check_motion(&self, robot: &Robot, wave: &Wave, step: f64) -> Result<MotionClearance> {
         robot.require_joints(wave.joints())?;
         if !(step.is_finite() && step > 0.0) {
-            return Err(Error::new(ErrorKind::Value, format!("step of {step} m"))
+            return Err(Error::new(ErrorKind::Setting, format!("step of {step} m"))
                 .expected("a positive distance"));
         }
         let speed = robot.speed_bound(wave);

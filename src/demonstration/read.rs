@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::DMatrix;
 
 use super::Recording;
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Result, listed};
 use crate::fourier::Joints;
 
 /// The column of time stamps.
@@ -123,7 +123,7 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
         match (found.next(), found.next()) {
             (Some((i, _)), None) => Ok(i),
             (None, _) => Err(Error::new(ErrorKind::Name, format!("no column `{wanted}`"))
-                .expected(format!("one of {}", columns.join(", ")))
+                .expected(format!("one of {}", listed(&columns)))
                 .at("line 1")),
             (Some(_), Some(_)) => {
                 Err(Error::new(ErrorKind::Name, format!("two columns `{wanted}`")).at("line 1"))

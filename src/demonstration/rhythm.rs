@@ -8,32 +8,33 @@ use super::Recording;
 const SLOWEST: f64 = 0.4;
 /// Faster than this no arm waves \[Hz\].
 const FASTEST: f64 = 8.0;
+/// Of a longer recording only this much is looked at \[s\].
+const LONGEST: f64 = 60.0;
 /// Frequencies tried a 1/span, so that a peak is found to a sixteenth of the width of its lobe.
 const OVERSAMPLING: f64 = 8.0;
 
 impl Recording {
     /// The frequency \[Hz\] of the sinusoid that, taken away from every joint, takes most energy with it
     /// (the periodogram of Lomb 1976 without its phase shift, summed over joints; drift removed first).
-    /// 0 when the recording is too short for 1.5 cycles of any frequency between 0.4 and 8 Hz.
+    /// Only the first minute is looked at. 0 when the recording is too short for 1.5 cycles of any frequency between
+    /// 0.4 and 8 Hz.
     pub fn tempo(&self) -> f64 {
-        let flat = self.without_drift();
+        let flat = self.first(LONGEST).without_drift();
         let samples = flat.times.len();
-        let mut centred = flat.positions;
+        let mut centred = flat.positions.clone();
         for mut column in centred.column_iter_mut() {
             let mean = column.mean();
             column.add_scalar_mut(-mean);
         }
-        let span = self.span();
+        let span = flat.span();
         let nyquist = (samples - 1) as f64 / (2.0 * span);
         let (low, high) = (SLOWEST.max(1.5 / span), FASTEST.min(nyquist));
         let step = 1.0 / (OVERSAMPLING * span);
         let steps = ((high - low) / step).floor();
-        // Recordings of hours have more frequencies than are worth a scan of every sample.
-        let steps = if steps.is_finite() && steps >= 0.0 {
-            (steps as usize).min(4000)
-        } else {
+        if !(steps.is_finite() && steps >= 0.0) {
             return 0.0;
-        };
+        }
+        let steps = steps as usize;
         let power = |i: usize| {
             explained(
                 &flat.times,
@@ -48,6 +49,19 @@ impl Recording {
                 |best, next| if next.1 > best.1 { next } else { best },
             );
         low + (high - low) * best as f64 / steps.max(1) as f64
+    }
+}
+
+impl Recording {
+    /// The samples within so many seconds of the first, two at the least.
+    fn first(&self, seconds: f64) -> Self {
+        let end = self.times[0] + seconds;
+        let count = self.times.partition_point(|t| *t <= end).max(2);
+        Self {
+            times: self.times[..count].to_vec(),
+            positions: self.positions.rows(0, count).into_owned(),
+            ..self.clone()
+        }
     }
 }
 

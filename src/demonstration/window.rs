@@ -74,7 +74,7 @@ pub(super) fn cut(
         Duration::Seconds(seconds) if seconds.is_finite() && seconds > 0.0 => (seconds, 0.0),
         Duration::Seconds(seconds) => {
             return Err(
-                Error::new(ErrorKind::Value, format!("duration of {seconds} s"))
+                Error::new(ErrorKind::Setting, format!("duration of {seconds} s"))
                     .expected("a positive number of seconds"),
             );
         }

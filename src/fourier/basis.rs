@@ -8,6 +8,9 @@ use super::wave::check_period;
 use super::{Joints, Wave};
 use crate::error::{Error, ErrorKind, Result};
 
+/// No recording has more.
+const MOST_HARMONICS: usize = 1_000_000;
+
 /// Beyond this condition number of the design matrix a fit is refused: an error of 1e-6 rad in the
 /// samples could move a weight by 1 rad.
 const WORST_CONDITION: f64 = 1e6;
@@ -54,11 +57,14 @@ impl FourierBasis {
     /// Harmonics 0..=`harmonics` of `period` seconds.
     ///
     /// # Errors
-    /// When the period is not a positive number or there is no harmonic.
+    /// When the period is not a positive number or there is no harmonic, or more than a million.
     pub fn new(period: f64, harmonics: usize) -> Result<Self> {
         check_period(period)?;
-        if harmonics == 0 {
-            return Err(Error::new(ErrorKind::Value, "no harmonics").expected("K of at least 1"));
+        if !(1..=MOST_HARMONICS).contains(&harmonics) {
+            return Err(
+                Error::new(ErrorKind::Setting, format!("{harmonics} harmonics"))
+                    .expected(format!("from 1 to {MOST_HARMONICS}")),
+            );
         }
         Ok(Self { period, harmonics })
     }

@@ -6,6 +6,9 @@ use super::{Derivative, Wave};
 /// sum of the moduli, which exceeds the rounding of the sum and of the powers of exp(i w t) in [`Wave::state`].
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// Pieces of the period narrower than this share of it are not split.
+const NARROWEST: f64 = 1e-13;
+
 /// A closed interval of real numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
@@ -112,9 +115,10 @@ impl Wave {
         while let Some((middle, half)) = open.pop() {
             let (value, enclosure) = bounded.value_and_enclosure(middle, half);
             reached = reached.hull(Interval::around(value, 0.0));
-            if enclosure.lower >= reached.lower - tolerance
-                && enclosure.upper <= reached.upper + tolerance
-            {
+            let tight = enclosure.lower >= reached.lower - tolerance
+                && enclosure.upper <= reached.upper + tolerance;
+            // An enclosure holds at any width; below this one time itself is rounding.
+            if tight || half < NARROWEST * self.period() {
                 proven = proven.hull(enclosure);
             } else {
                 let half = half / 2.0;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Result, listed};
 
 /// The names of the joints of a motion, in order: not empty, none twice. Cheap to clone.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,9 +60,9 @@ impl Joints {
         })
     }
 
-    /// The names in one line, for messages.
+    /// The names in one line, for messages; the first dozen of them.
     pub fn listed(&self) -> String {
-        self.0.join(", ")
+        listed(&self.0)
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::{Joints, PeriodGrid};
+use super::{Interval, Joints, PeriodGrid};
 use crate::error::{Error, ErrorKind, Result};
 
 /// Which time derivative of a motion.
@@ -50,7 +50,13 @@ impl State {
     }
 }
 
-/// One periodic motion of named joints, a finite Fourier series (see the [module](crate::fourier)).
+/// One periodic motion of named joints, a finite Fourier series with K harmonics:
+///
+/// ```text
+/// y_d(t) = w_{d,0} + 2 Re sum_{k=1..K} w_{d,k} exp(i k w t),   w = 2 pi / T
+/// ```
+///
+/// Motions are real, so w_{d,-k} is the conjugate of w_{d,k}, and only k >= 0 is stored.
 ///
 /// ```
 /// use nalgebra::{dmatrix, dvector};
@@ -80,7 +86,7 @@ impl Wave {
     /// A wave of `period` seconds: `offsets` holds w_{d,0} (D, rad), `weights` w_{d,k} (D x K, rad; column k-1 is harmonic k).
     ///
     /// # Errors
-    /// When the period is not a positive number, a weight is not finite, or the sizes do not fit.
+    /// When the period is not within 1e-9 to 1e9 s, a weight is not finite or beyond 1e100 rad, or the sizes do not fit.
     pub fn new(
         joints: Joints,
         period: f64,
@@ -100,13 +106,15 @@ impl Wave {
             )
             .expected("one offset and one row of weights a joint"));
         }
+        let fits = |x: f64| x.abs() <= LARGEST_WEIGHT;
         for (d, joint) in joints.iter().enumerate() {
-            let finite = offsets[d].is_finite() && weights.row(d).iter().all(|w| w.is_finite());
-            if !finite {
-                return Err(
-                    Error::new(ErrorKind::Value, "a Fourier weight is not finite")
-                        .at(format!("joint `{joint}`")),
-                );
+            let row = weights.row(d);
+            if !(fits(offsets[d]) && row.iter().all(|w| fits(w.re) && fits(w.im))) {
+                return Err(Error::new(
+                    ErrorKind::Value,
+                    "a Fourier weight is not finite, or no angle",
+                )
+                .at(format!("joint `{joint}`")));
             }
         }
         Ok(Self {
@@ -209,41 +217,24 @@ impl Wave {
             ..self.clone()
         }
     }
-
-    /// Other joints as affine functions of these: joint j of the result is `rows[j].1 * y_s + rows[j].2` with `s = rows[j].0`,
-    /// or the constant `rows[j].2` where there is no source.
-    ///
-    /// # Errors
-    /// When the number of rows is not that of `joints`, a source is out of range, or a number is not finite.
-    pub fn affine(&self, joints: Joints, rows: &[(Option<usize>, f64, f64)]) -> Result<Self> {
-        let sources = self.joints.len();
-        if rows.len() != joints.len() || rows.iter().any(|r| r.0.is_some_and(|s| s >= sources)) {
-            return Err(Error::new(
-                ErrorKind::Shape,
-                "rows do not fit the joints of the wave",
-            ));
-        }
-        let offsets = DVector::from_iterator(
-            rows.len(),
-            rows.iter().map(|&(source, gain, shift)| {
-                source.map_or(0.0, |s| gain * self.offsets[s]) + shift
-            }),
-        );
-        let weights = DMatrix::from_fn(rows.len(), self.harmonics(), |j, k| match rows[j] {
-            (Some(s), gain, _) => self.weights[(s, k)] * gain,
-            (None, ..) => Complex::ZERO,
-        });
-        Self::new(joints, self.period, offsets, weights)
-    }
 }
 
+/// Periods and weights within these, with as many harmonics as fit in memory, have finite derivatives.
+const PERIODS: Interval = Interval {
+    lower: 1e-9,
+    upper: 1e9,
+};
+const LARGEST_WEIGHT: f64 = 1e100;
+
 pub(super) fn check_period(period: f64) -> Result<()> {
-    if period.is_finite() && period > 0.0 {
+    if PERIODS.contains(period) {
         Ok(())
     } else {
         Err(
-            Error::new(ErrorKind::Value, format!("period of {period} s"))
-                .expected("a positive number of seconds"),
+            Error::new(ErrorKind::Value, format!("period of {period} s")).expected(format!(
+                "a number of seconds from {:e} to {:e}",
+                PERIODS.lower, PERIODS.upper
+            )),
         )
     }
 }
@@ -309,7 +300,7 @@ mod tests {
     fn what_is_not_a_wave_is_refused() {
         let joints = Joints::new(["a"]).unwrap();
         let w = dmatrix![Complex::new(0.1, 0.0)];
-        for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for period in [0.0, -1.0, 1e-300, f64::NAN, f64::INFINITY] {
             assert!(Wave::new(joints.clone(), period, dvector![0.0], w.clone()).is_err());
         }
         let error = Wave::new(joints.clone(), 1.0, dvector![f64::NAN], w.clone()).unwrap_err();

@@ -99,22 +99,18 @@ impl LogPolar {
 
     /// The coordinate at an index of x; `None` beyond its end.
     pub fn coordinate(&self, index: usize) -> Option<Coordinate> {
-        let (block, within) = (index / self.phases(), index % self.phases());
         let joint = |d: usize| self.joints.name(d).to_owned();
-        let (d, harmonic) = (within / self.harmonics, within % self.harmonics + 1);
-        match block {
-            0 => Some(Coordinate::Modulus {
-                joint: joint(d),
-                harmonic,
-            }),
-            1 => Some(Coordinate::Phase {
-                joint: joint(d),
-                harmonic,
-            }),
-            _ => {
-                let d = index - 2 * self.phases();
-                (d < self.joints.len()).then(|| Coordinate::Offset { joint: joint(d) })
-            }
+        let address = |i: usize| (joint(i / self.harmonics), i % self.harmonics + 1);
+        let (phases, offsets) = (self.phases(), 2 * self.phases());
+        if index < phases {
+            let (joint, harmonic) = address(index);
+            Some(Coordinate::Modulus { joint, harmonic })
+        } else if index < offsets {
+            let (joint, harmonic) = address(index - phases);
+            Some(Coordinate::Phase { joint, harmonic })
+        } else {
+            let d = index - offsets;
+            (d < self.joints.len()).then(|| Coordinate::Offset { joint: joint(d) })
         }
     }
 

@@ -4,11 +4,11 @@
 //! unknown parents, cycles and double names as they come. Here every attribute that this crate reads is checked in
 //! the XML itself, where its line is still known.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Result, listed};
 
 /// No real file nests deeper; the parsers behind this one recurse.
 const DEEPEST: usize = 64;
@@ -371,39 +371,44 @@ impl<'a> Xml<'a> {
                 Err(
                     Error::new(ErrorKind::Shape, "no root: the links form a cycle")
                         .expected("one link without a parent")
-                        .at(format!("links {}", shortened(&all))),
+                        .at(format!("links {}", listed(&all))),
                 )
             }
-            // With one root and one parent each, a link that is not under the root is in a cycle.
-            [_] => {
-                for link in links.keys() {
-                    let mut at = *link;
-                    for _ in 0..=links.len() {
-                        let Some(parent) = parents.get(at) else { break };
-                        at = parent;
-                    }
-                    if parents.contains_key(at) {
-                        return Err(Error::new(ErrorKind::Shape, "the links form a cycle")
-                            .expected("a tree")
-                            .at(format!("link `{link}`")));
+            // With one root and one parent each, what is not reached from the root is in a cycle.
+            [root] => {
+                let mut children: HashMap<&str, Vec<&str>> = HashMap::new();
+                for (child, parent) in &parents {
+                    children.entry(parent).or_default().push(child);
+                }
+                let mut reached = HashSet::from([*root]);
+                let mut open = vec![*root];
+                while let Some(link) = open.pop() {
+                    for child in children.get(link).into_iter().flatten() {
+                        reached.insert(child);
+                        open.push(child);
                     }
                 }
-                Ok(())
+                let mut lost: Vec<&str> = links
+                    .keys()
+                    .copied()
+                    .filter(|l| !reached.contains(l))
+                    .collect();
+                lost.sort_unstable();
+                if lost.is_empty() {
+                    return Ok(());
+                }
+                Err(
+                    Error::new(ErrorKind::Shape, "links form a cycle apart from the root")
+                        .expected("a tree")
+                        .at(format!("links {}", listed(&lost))),
+                )
             }
             many => Err(
                 Error::new(ErrorKind::Shape, format!("{} roots", many.len()))
                     .expected("one link without a parent")
                     .help("join the parts with a fixed joint")
-                    .at(format!("links {}", shortened(many))),
+                    .at(format!("links {}", listed(many))),
             ),
         }
     }
-}
-
-fn shortened(names: &[&str]) -> String {
-    let mut text = names.iter().take(6).copied().collect::<Vec<_>>().join(", ");
-    if names.len() > 6 {
-        text.push_str(", ..");
-    }
-    text
 }

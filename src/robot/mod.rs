@@ -157,19 +157,14 @@ impl Robot {
 
     /// The link farthest along the chain with most joints: the hand, where nothing else is said.
     pub fn tip(&self) -> &Link {
-        let depth = |link: &Link| {
-            let mut depth = 0;
-            let mut body = link.body;
-            while body != 0 {
-                body = self.bodies[body].parent;
-                depth += 1;
-            }
-            depth
-        };
+        let mut depths = vec![0; self.bodies.len()];
+        for (i, body) in self.bodies.iter().enumerate().skip(1) {
+            depths[i] = depths[body.parent] + 1;
+        }
         // Links come parents first, so the last of the deepest is the end of its chain.
         self.links
             .iter()
-            .max_by_key(|link| depth(link))
+            .max_by_key(|link| depths[link.body])
             .unwrap_or(&self.links[0])
     }
 

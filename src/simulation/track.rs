@@ -11,6 +11,9 @@ use crate::robot::{BodyJoint, Dynamics, GRAVITY, Robot};
 /// Stiffer than this against their damping, saturated motors limit-cycle: kd / kp must be at least this \[s\].
 const LEAST_DAMPING_TIME: f64 = 0.02;
 
+/// Beyond so many steps a rollout does not fit into memory.
+const MOST_STEPS: f64 = 1e6;
+
 /// Of its effort limit, what counts as being at it.
 const SATURATION: f64 = 0.999;
 
@@ -177,7 +180,7 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
 impl TrackOptions {
     fn steps(&self, wave: &Wave) -> Result<usize> {
         let refuse = |what: String, expected: &str| {
-            Err(Error::new(ErrorKind::Value, what).expected(expected.to_owned()))
+            Err(Error::new(ErrorKind::Setting, what).expected(expected.to_owned()))
         };
         if !(self.time_step > 0.0 && self.time_step <= 0.02) {
             return refuse(
@@ -196,10 +199,10 @@ impl TrackOptions {
         }
         let duration = self.duration.unwrap_or(wave.period());
         let steps = duration / self.time_step;
-        if !(duration > 0.0 && steps <= 1e8) {
+        if !(duration > 0.0 && steps <= MOST_STEPS) {
             return refuse(
                 format!("duration of {duration} s"),
-                "a positive time of at most 1e8 steps",
+                &format!("a positive time of at most {MOST_STEPS:e} steps"),
             );
         }
         Ok(steps.round().max(1.0) as usize)
