@@ -87,6 +87,9 @@
 //! | `testing` | strategies and statistical assertions for `cargo test` (proptest) | no |
 //! | `cli` | the `undulate` program | yes |
 
+#![warn(missing_docs)]
+#![forbid(unsafe_code)]
+
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "robot")]

@@ -25,7 +25,7 @@ mod robot_view;
 #[cfg(feature = "robot")]
 mod tube;
 
-pub use image::{Color, Image};
+pub use image::{Color, Image, MAX_PIXELS, MAX_SIDE};
 pub use plot::{Mark, Picture, Plot, Series, draw};
 #[cfg(feature = "robot")]
 pub use poses::Poses;
