@@ -149,7 +149,7 @@ impl<B: DrawingBackend> Canvas<'_, B> {
         if self.keeps_text {
             // The backend lowers the baseline by 0.76 em below a spot at the top of the text,
             // and takes an em for 1 / 1.24 of a font size.
-            let em = size * font.em;
+            let em = size * font.em();
             let drop = (0.76 * em).round() as i32;
             let spot = if upwards {
                 (x - drop, y)

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use ab_glyph::{Font as _, FontRef, GlyphId, PxScale, ScaleFont as _, point};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure::image::{Color, Image};
@@ -13,8 +13,9 @@ const BYTES: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 /// Sub-pixels per pixel side of text drawn into an [`Image`].
 const SUPERSAMPLING: u32 = 4;
 
-/// A font size at which the whole numbers that plotters measures in are fine enough.
-const MEASURING_SIZE: f64 = 1000.0;
+/// How much smaller a subscript is, and how far below the baseline it stands, as shares of the size.
+const SUBSCRIPT_SIZE: f64 = 0.7;
+const SUBSCRIPT_DROP: f64 = 0.14;
 
 /// Subscripts that labels may use, and of which letters they are small versions.
 const SUBSCRIPTS: [(char, char); 17] = [
@@ -37,78 +38,42 @@ const SUBSCRIPTS: [(char, char); 17] = [
     ('ₜ', 't'),
 ];
 
-/// Metrics of the font; all lengths in multiples of the font size.
-pub(crate) struct Font {
-    /// The em square, which is what SVG calls the font size.
-    pub(crate) em: f64,
-    units: f64,
-    tables: Tables,
+/// The embedded font. A size is the height in pixels from the deepest descender to the highest ascender.
+pub(crate) struct Font(FontRef<'static>);
+
+/// A character as it is drawn: its glyph, its size, and how far it stands below the baseline \[px\].
+struct Drawn {
+    glyph: GlyphId,
+    size: f64,
+    drop: f64,
 }
 
-/// Offsets in bytes into the font file.
-struct Tables {
-    character_map: usize,
-    metrics: usize,
-    metrics_count: usize,
-    units_per_em: f64,
-}
-
-/// The font, registered with plotters under the name `sans-serif` on the first call.
+/// The font.
 ///
 /// # Errors
-/// plotters refuses the embedded bytes.
+/// None that the embedded bytes could cause.
 pub(crate) fn sans() -> Result<&'static Font> {
     static FONT: OnceLock<Option<Font>> = OnceLock::new();
-    FONT.get_or_init(|| {
-        register_font("sans-serif", FontStyle::Normal, BYTES).ok()?;
-        let tables = Tables::find()?;
-        // The advance of one letter tells how plotters scales the units of the font.
-        let (advance, _) = tables.metrics(tables.glyph('M')?)?;
-        let ((left, _), (right, _)) = description(MEASURING_SIZE).layout_box("M").ok()?;
-        let units = f64::from(right - left) / MEASURING_SIZE / advance;
-        Some(Font {
-            em: units * tables.units_per_em,
-            units,
-            tables,
-        })
-    })
-    .as_ref()
-    .ok_or_else(|| Error::new(ErrorKind::Infeasible, "the embedded font is unusable"))
-}
-
-fn description(size: f64) -> FontDesc<'static> {
-    FontDesc::new(FontFamily::SansSerif, size, FontStyle::Normal)
+    FONT.get_or_init(|| FontRef::try_from_slice(BYTES).ok().map(Font))
+        .as_ref()
+        .ok_or_else(|| Error::new(ErrorKind::Infeasible, "the embedded font is unusable"))
 }
 
 impl Font {
-    /// Advance and left bearing of a character.
-    fn metrics(&self, character: char) -> (f64, f64) {
-        let (base, shrink) = self.drawn(character);
-        let glyph = self.tables.glyph(base).unwrap_or(0);
-        let (advance, bearing) = self.tables.metrics(glyph).unwrap_or((0.0, 0.0));
-        (advance * self.units * shrink, bearing * self.units * shrink)
-    }
-
-    /// What to draw for a character, and how much smaller: the font has few subscripts.
-    fn drawn(&self, character: char) -> (char, f64) {
-        let base = SUBSCRIPTS
-            .iter()
-            .find(|(subscript, _)| *subscript == character);
-        base.map_or((character, 1.0), |(_, base)| (*base, 0.7))
+    /// The em square, which is what SVG calls the font size, as a share of the size.
+    pub(crate) fn em(&self) -> f64 {
+        f64::from(self.0.units_per_em().unwrap_or(1.0) / self.0.height_unscaled())
     }
 
     /// Width of `text` in pixels at `size` px.
     pub(crate) fn width(&self, text: &str, size: f64) -> f64 {
         text.chars()
-            .map(|character| self.metrics(character).0 * size)
+            .map(|c| self.advance(&self.drawn(c, size)))
             .sum()
     }
 
     /// Calls `put(x, y, coverage)` for the pixels of `text`; x counts from the start of the
     /// text, y down from the baseline.
-    ///
-    /// Glyph by glyph, because plotters 0.3 leaves out the left bearings, which spaces the
-    /// letters unevenly.
     pub(crate) fn pixels(
         &self,
         text: &str,
@@ -116,102 +81,48 @@ impl Font {
         mut put: impl FnMut(i32, i32, f64) -> Result<()>,
     ) -> Result<()> {
         let mut pen = 0.0;
-        for character in text.chars() {
-            let (advance, bearing) = self.metrics(character);
-            let left = (pen + bearing * size).round() as i32;
-            let (base, shrink) = self.drawn(character);
-            let font = description(shrink * size);
-            let drop = if shrink < 1.0 { 0.14 * size } else { 0.0 };
-            // plotters puts the baseline half the size below the given position.
-            let top = drop as i32 - (0.5 * shrink * size) as i32;
-            let mut outcome = Ok(());
-            font.draw(
-                base.encode_utf8(&mut [0; 4]),
-                (left, top),
-                |x, y, coverage| {
-                    if outcome.is_ok() {
-                        outcome = put(x, y, f64::from(coverage));
+        for drawn in text.chars().map(|c| self.drawn(c, size)) {
+            let at = point(pen as f32, drawn.drop as f32);
+            let glyph = drawn.glyph.with_scale_and_position(drawn.size as f32, at);
+            if let Some(outline) = self.0.outline_glyph(glyph) {
+                let corner = outline.px_bounds().min;
+                let mut outcome = Ok(());
+                outline.draw(|x, y, coverage| {
+                    if outcome.is_ok() && coverage > 0.0 {
+                        let (x, y) = (corner.x as i32 + x as i32, corner.y as i32 + y as i32);
+                        outcome = put(x, y, f64::from(coverage.min(1.0)));
                     }
-                    Ok::<(), std::convert::Infallible>(())
-                },
-            )
-            .map_err(|error| Error::new(ErrorKind::Infeasible, error.to_string()))?
-            .unwrap_or_else(|never| match never {});
-            outcome?;
-            pen += advance * size;
+                });
+                outcome?;
+            }
+            pen += self.advance(&drawn);
         }
         Ok(())
     }
-}
 
-impl Tables {
-    fn find() -> Option<Self> {
-        let count = usize::from(unsigned(4)?);
-        let table = |tag: &[u8; 4]| {
-            (0..count).map(|index| 12 + 16 * index).find_map(|record| {
-                (BYTES.get(record..record + 4)? == tag).then_some(())?;
-                long(record + 8)
-            })
-        };
-        let maps = table(b"cmap")?;
-        // Format 4 is the map of the Basic Multilingual Plane that every font of this kind has.
-        let character_map = (0..usize::from(unsigned(maps + 2)?)).find_map(|index| {
-            let offset = maps + long(maps + 4 + 8 * index + 4)?;
-            (unsigned(offset)? == 4).then_some(offset)
-        })?;
-        let metrics_count = usize::from(unsigned(table(b"hhea")? + 34)?);
-        let units_per_em = f64::from(unsigned(table(b"head")? + 18)?);
-        Some(Self {
-            character_map,
-            metrics: table(b"hmtx")?,
-            metrics_count,
-            units_per_em,
-        })
-    }
-
-    /// Glyph of a character; 0 is the box of a missing one.
-    fn glyph(&self, character: char) -> Option<usize> {
-        let code = u16::try_from(u32::from(character)).ok()?;
-        let map = self.character_map;
-        let segments = usize::from(unsigned(map + 6)?);
-        let segment = (0..segments)
-            .step_by(2)
-            .find(|at| unsigned(map + 14 + at).is_some_and(|end| end >= code))?;
-        let start = unsigned(map + 16 + segments + segment)?;
-        let delta = unsigned(map + 16 + 2 * segments + segment)?;
-        let range_at = map + 16 + 3 * segments + segment;
-        let range = usize::from(unsigned(range_at)?);
-        let within = code.checked_sub(start)?;
-        if range == 0 {
-            return Some(usize::from(code.wrapping_add(delta)));
-        }
-        match unsigned(range_at + range + 2 * usize::from(within))? {
-            0 => None,
-            glyph => Some(usize::from(glyph.wrapping_add(delta))),
+    /// The font has few subscripts; the others are small letters.
+    fn drawn(&self, character: char, size: f64) -> Drawn {
+        match SUBSCRIPTS
+            .iter()
+            .find(|(subscript, _)| *subscript == character)
+        {
+            Some((_, base)) => Drawn {
+                glyph: self.0.glyph_id(*base),
+                size: SUBSCRIPT_SIZE * size,
+                drop: SUBSCRIPT_DROP * size,
+            },
+            None => Drawn {
+                glyph: self.0.glyph_id(character),
+                size,
+                drop: 0.0,
+            },
         }
     }
 
-    /// Advance and left bearing of a glyph in units of the font.
-    fn metrics(&self, glyph: usize) -> Option<(f64, f64)> {
-        let last = self.metrics_count.checked_sub(1)?;
-        let advance = unsigned(self.metrics + 4 * glyph.min(last))?;
-        let bearing_at = match glyph.checked_sub(self.metrics_count) {
-            None => self.metrics + 4 * glyph + 2,
-            Some(beyond) => self.metrics + 4 * self.metrics_count + 2 * beyond,
-        };
-        let bearing = unsigned(bearing_at)?.cast_signed();
-        Some((f64::from(advance), f64::from(bearing)))
+    fn advance(&self, drawn: &Drawn) -> f64 {
+        let scaled = self.0.as_scaled(PxScale::from(drawn.size as f32));
+        f64::from(scaled.h_advance(drawn.glyph))
     }
-}
-
-fn unsigned(at: usize) -> Option<u16> {
-    let bytes = BYTES.get(at..at + 2)?;
-    Some(u16::from_be_bytes(bytes.try_into().ok()?))
-}
-
-fn long(at: usize) -> Option<usize> {
-    let bytes = BYTES.get(at..at + 4)?;
-    usize::try_from(u32::from_be_bytes(bytes.try_into().ok()?)).ok()
 }
 
 impl Image {
@@ -277,21 +188,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn metrics_agree_with_those_of_plotters() {
+    fn the_font_has_what_labels_need() {
         let font = sans().unwrap();
-        for text in ["i", "W", "°", "θ", "−", "±"] {
-            let ((left, _), (right, _)) = description(MEASURING_SIZE).layout_box(text).unwrap();
-            let width = font.width(text, MEASURING_SIZE);
-            assert!(
-                (width - f64::from(right - left)).abs() < 2.0,
-                "{text}: {width}"
-            );
-            assert!(
-                font.tables
-                    .glyph(text.chars().next().unwrap())
-                    .is_some_and(|g| g > 0)
-            );
+        for character in "aW°θ−±|".chars().chain(SUBSCRIPTS.map(|(c, _)| c)) {
+            assert_ne!(font.drawn(character, 10.0).glyph, GlyphId(0), "{character}");
         }
+        assert!(font.width("ii", 100.0) < font.width("WW", 100.0));
+        let both = font.width("a", 100.0) + font.width("b", 100.0);
+        assert!((font.width("ab", 100.0) - both).abs() < 1e-9);
+        assert!(font.width("₀", 100.0) < font.width("0", 100.0));
     }
 
     #[test]
