@@ -85,10 +85,10 @@ impl Error {
         self
     }
 
-    /// Says what to do.
+    /// Says what to do, unless somebody nearer to the cause has said so already.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.0.help = Some(help.into());
+        self.0.help.get_or_insert_with(|| help.into());
         self
     }
 

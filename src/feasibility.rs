@@ -3,23 +3,25 @@
 use crate::collision::{CollisionModel, MotionClearance};
 use crate::error::Result;
 use crate::fourier::{Derivative, Interval, Wave};
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 
 /// The range that a wave takes of a joint's position or velocity, beside the limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitUse {
-    /// The joint.
+    /// The joint, commanded or mimicking.
     pub joint: String,
+    /// Whether the numbers are rad and rad/s, or m and m/s.
+    pub kind: JointKind,
     /// [`Derivative::Position`] or [`Derivative::Velocity`].
     pub quantity: Derivative,
-    /// An enclosure of what the wave does over its period, from exact bounds of its series (see [`Wave::range`]) \[rad, rad/s\].
+    /// An enclosure of what the wave does over its period, from exact bounds of its series (see [`Wave::range`]) \[rad, rad/s; m, m/s\].
     pub range: Interval,
     /// What the robot allows.
     pub limit: Interval,
 }
 
 impl LimitUse {
-    /// How far the range leaves the limit \[rad, rad/s\]; 0 when it does not.
+    /// How far the range leaves the limit \[rad, rad/s; m, m/s\]; 0 when it does not.
     pub fn excess(&self) -> f64 {
         (self.limit.lower - self.range.lower)
             .max(self.range.upper - self.limit.upper)
@@ -34,21 +36,31 @@ impl LimitUse {
 pub fn limits(robot: &Robot, wave: &Wave) -> Result<Vec<LimitUse>> {
     robot.require_joints(wave.joints())?;
     let mut uses = Vec::new();
-    for (j, joint) in robot.joints().iter().enumerate() {
-        let properties = robot.properties(j);
-        let speed = properties.velocity.map(|v| Interval {
+    for (_, joint) in robot.moving() {
+        let speed = joint.properties.velocity.map(|v| Interval {
             lower: -v,
             upper: v,
         });
         for (quantity, limit) in [
-            (Derivative::Position, properties.position),
+            (Derivative::Position, joint.properties.position),
             (Derivative::Velocity, speed),
         ] {
             if let Some(limit) = limit {
+                let shift = if quantity == Derivative::Position {
+                    joint.offset
+                } else {
+                    0.0
+                };
+                let range = wave.range(joint.index, quantity);
+                let ends = [range.lower, range.upper].map(|x| joint.multiplier * x + shift);
                 uses.push(LimitUse {
-                    joint: joint.clone(),
+                    joint: joint.name.clone(),
+                    kind: joint.kind,
                     quantity,
-                    range: wave.range(j, quantity),
+                    range: Interval {
+                        lower: ends[0].min(ends[1]),
+                        upper: ends[0].max(ends[1]),
+                    },
                     limit,
                 });
             }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use crate::units::parse_angle;
 
 /// What moves one robot joint.
@@ -198,12 +198,12 @@ impl JointMap {
         );
         for (i, joint) in robot.joints().iter().enumerate() {
             let properties = robot.properties(i);
-            let range = properties.position.map_or("continuous".to_owned(), |p| {
-                format!(
-                    "{:.1} to {:.1} deg",
-                    p.lower.to_degrees(),
-                    p.upper.to_degrees()
-                )
+            let (unit, scale) = match robot.joint(i).kind {
+                JointKind::Revolute => ("deg", 1f64.to_degrees()),
+                JointKind::Prismatic => ("m", 1.0),
+            };
+            let range = properties.position.map_or("no limits".to_owned(), |p| {
+                format!("{:.4} to {:.4} {unit}", scale * p.lower, scale * p.upper)
             });
             let _ = write!(text, "\n[joints.{}]  # {range}\n", key(joint));
             match likely(joint, learned) {
@@ -220,10 +220,11 @@ impl JointMap {
                     );
                 }
                 None => {
-                    let rest = robot.rest()[i].to_degrees();
+                    let rest = robot.rest()[i];
                     let _ = writeln!(
                         text,
-                        "constant = \"{rest:.1}deg\"  # or: from = \"..\", sign, scale, offset"
+                        "constant = {rest:?}  # {}; or: from = \"..\", sign, scale, offset",
+                        if unit == "m" { "m" } else { "rad" }
                     );
                 }
             }

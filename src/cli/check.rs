@@ -6,11 +6,14 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::robot::RobotArguments;
+use super::robot::tell_notes;
+use super::simulate::units;
 use super::{Outcome, output, read_wave};
 use crate::collision::{CollisionModel, PairStatus};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{LimitUse, Verdict, limits};
 use crate::fourier::Derivative;
+use crate::robot::JointKind;
 
 /// Check a wave on a robot: position and velocity limits, self-collision.
 #[derive(Args)]
@@ -55,13 +58,25 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 })
         })
         .collect::<Result<Vec<_>>>()?;
-    let collision = CollisionModel::new(&robot, &left_out).inspect_err(|_| {
-        // Limits can be told even where contact cannot.
-        if let Ok(limits) = limits(&robot, &wave) {
-            output::report(json, &json!({"passes": false, "limits": limits.iter().map(limit_json).collect::<Vec<_>>(), "collision": null}), || limit_table(&limits));
-        }
+    let notes = tell_notes(&robot);
+    let limits = limits(&robot, &wave)?;
+    let looked_at = CollisionModel::new(&robot, &left_out).and_then(|collision| {
+        Ok((
+            Verdict::of(&robot, &collision, &wave, arguments.step)?,
+            collision,
+        ))
+    });
+    let (verdict, collision) = looked_at.inspect_err(|error| {
+        // Limits can be told even where contact cannot; the answer is no all the same.
+        let value = json!({
+            "passes": false,
+            "notes": notes,
+            "limits": limits.iter().map(limit_json).collect::<Vec<_>>(),
+            "collision": null,
+            "error": error.to_string(),
+        });
+        output::report(json, &value, || limit_table(&limits));
     })?;
-    let verdict = Verdict::of(&robot, &collision, &wave, arguments.step)?;
     for pair in collision
         .pairs()
         .iter()
@@ -74,6 +89,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let value = json!({
         "passes": verdict.passes(),
+        "notes": notes,
         "limits": verdict.limits.iter().map(limit_json).collect::<Vec<_>>(),
         "collision": verdict.collision.as_ref().map(|c| json!({
             "free": c.is_free(),
@@ -139,10 +155,19 @@ pub(super) fn limit_json(limit: &LimitUse) -> Value {
     json!({
         "joint": limit.joint,
         "quantity": quantity(limit),
+        "unit": unit(limit),
         "range": [limit.range.lower, limit.range.upper],
         "limit": [limit.limit.lower, limit.limit.upper],
         "excess": limit.excess(),
     })
+}
+
+fn unit(limit: &LimitUse) -> &'static str {
+    let (position, rate, _) = units(limit.kind);
+    match limit.quantity {
+        Derivative::Velocity => rate,
+        _ => position,
+    }
 }
 
 fn quantity(limit: &LimitUse) -> &'static str {
@@ -158,13 +183,18 @@ fn limit_table(limits: &[LimitUse]) -> String {
 }
 
 fn limit_row(limit: &LimitUse) -> Vec<String> {
-    let (unit, digits) = match limit.quantity {
-        Derivative::Velocity => ("rad/s", 2),
-        _ => ("deg", 1),
+    // Angles of a person are degrees; everything else is SI.
+    let (unit, digits, scale) = match (limit.kind, limit.quantity) {
+        (JointKind::Revolute, Derivative::Position) => ("deg", 1, 1f64.to_degrees()),
+        _ => (unit(limit), 2, 1.0),
     };
     let shown = |x: f64| {
-        let x = if unit == "deg" { x.to_degrees() } else { x };
-        format!("{x:.digits$}")
+        let x = scale * x;
+        if x.abs() < 1e6 {
+            format!("{x:.digits$}")
+        } else {
+            format!("{x:.1e}")
+        }
     };
     let range = |i: crate::fourier::Interval| format!("{} .. {}", shown(i.lower), shown(i.upper));
     vec![

@@ -57,16 +57,25 @@ pub(super) fn progress(steps: u64, doing: &str) -> ProgressBar {
     bar
 }
 
-/// Writes a file under another name beside it first, so that it appears whole or not at all.
+/// Writes a file under another name beside it first, so that it appears whole or not at all. A link is followed, and what
+/// is no regular file (a pipe, a device) is written to as it is.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let fail = |e: std::io::Error| Error::io(path, &e);
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if std::fs::metadata(&target).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let mut stream = std::fs::OpenOptions::new()
+            .write(true)
+            .open(&target)
+            .map_err(fail)?;
+        return stream.write_all(bytes).map_err(fail);
+    }
+    if let Some(folder) = target.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(fail)?;
     }
-    let mut name = path.file_name().unwrap_or_default().to_owned();
+    let mut name = target.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let done = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path));
+    let part = target.with_file_name(name);
+    let done = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &target));
     done.map_err(|e| {
         let _ = std::fs::remove_file(&part);
         fail(e)

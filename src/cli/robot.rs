@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::read_text;
+use super::{output, read_text};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Joints;
 use crate::retarget::JointMap;
@@ -71,4 +71,12 @@ impl RobotArguments {
             joint_map(self.map.as_deref(), &self.robot, learned)?,
         ))
     }
+}
+
+/// Says what the file lacks and what was read otherwise than it stands, and returns it for the report.
+pub(super) fn tell_notes(robot: &Robot) -> Vec<String> {
+    for note in robot.notes() {
+        output::warn(format!("robot `{}`: {note}", robot.name()));
+    }
+    robot.notes().to_vec()
 }

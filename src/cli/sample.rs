@@ -12,7 +12,7 @@ use crate::fourier::{Derivative, PeriodGrid, Wave};
 use crate::primitive::{Observation, stream};
 
 /// No table is longer.
-const MOST_ROWS: f64 = 1e7;
+const MOST_ROWS: f64 = 1e6;
 
 /// Draw waves from a model.
 #[derive(Args)]

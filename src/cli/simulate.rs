@@ -10,12 +10,14 @@ use super::{Outcome, output, read_wave};
 use crate::collision::CollisionModel;
 use crate::error::Result;
 use crate::feasibility::{LimitUse, limits};
+use crate::fourier::Derivative;
+use crate::robot::JointKind;
 use crate::simulation::{Rollout, TrackOptions, track};
 
 /// Execute a wave on a robot in simulation.
 #[derive(Args)]
 #[command(
-    after_help = "The robot is a Rapier multibody under gravity with the effort limits and damping of its URDF.\n\n\
+    after_help = "The robot is a Rapier multibody under gravity with the effort limits and damping of its URDF. This is no check:\nwhat breaks a limit or touches is told and simulated all the same; `undulate check` refuses it.\n\n\
     Example:\n  \
     undulate simulate wave.json --robot wave_arm -o rollout.csv"
 )]
@@ -50,6 +52,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let wave = read_wave(&arguments.wave)?;
     let (robot, map) = arguments.robot.load(wave.joints())?;
     let wave = map.apply(&wave, &robot)?;
+    let notes = super::robot::tell_notes(&robot);
     let limits = limits(&robot, &wave)?;
     for limit in limits.iter().filter(|l| l.excess() > 0.0) {
         output::warn(broken(limit));
@@ -82,6 +85,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let value = json!({
         "robot": robot.name(),
+        "notes": notes,
         "duration_s": rollout.times.last(),
         "joints": rollout_json(&rollout),
         "first_contact": contact.as_ref().map(|(time, (a, b))| json!({"time_s": time, "pair": [a, b]})),
@@ -99,21 +103,27 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
 }
 
 fn broken(limit: &LimitUse) -> String {
-    format!(
-        "joint `{}` leaves its {} limit by {:.3} {}; the simulated motor will be stopped by it, a real one may not be",
-        limit.joint,
-        if limit.quantity.order() == 0 {
-            "position"
-        } else {
-            "velocity"
-        },
-        limit.excess(),
-        if limit.quantity.order() == 0 {
-            "rad"
-        } else {
-            "rad/s"
-        },
-    )
+    let (position, rate, _) = units(limit.kind);
+    match limit.quantity {
+        Derivative::Position => format!(
+            "joint `{}` leaves its position limit by {:.3e} {position}; the simulated joint runs into its stop",
+            limit.joint,
+            limit.excess()
+        ),
+        _ => format!(
+            "joint `{}` leaves its velocity limit by {:.3e} {rate}; the simulated motor is not stopped by that, a real one will be",
+            limit.joint,
+            limit.excess()
+        ),
+    }
+}
+
+/// Units of position, rate and effort.
+pub(super) fn units(kind: JointKind) -> (&'static str, &'static str, &'static str) {
+    match kind {
+        JointKind::Revolute => ("rad", "rad/s", "N m"),
+        JointKind::Prismatic => ("m", "m/s", "N"),
+    }
 }
 
 pub(super) fn rollout_json(rollout: &Rollout) -> serde_json::Value {
@@ -126,14 +136,21 @@ pub(super) fn rollout_json(rollout: &Rollout) -> serde_json::Value {
         .joints
         .iter()
         .enumerate()
-        .map(|(j, joint)| {
-            json!({
+        .map(|(j, joint)| match rollout.kinds[j] {
+            JointKind::Revolute => json!({
                 "joint": joint,
                 "rms_error_rad": rms[j],
                 "peak_error_rad": peak[j],
                 "peak_torque_nm": torque[j],
                 "saturated_steps": rollout.saturated[j],
-            })
+            }),
+            JointKind::Prismatic => json!({
+                "joint": joint,
+                "rms_error_m": rms[j],
+                "peak_error_m": peak[j],
+                "peak_force_n": torque[j],
+                "saturated_steps": rollout.saturated[j],
+            }),
         })
         .collect()
 }
@@ -149,11 +166,12 @@ pub(super) fn rollout_table(rollout: &Rollout) -> String {
         .iter()
         .enumerate()
         .map(|(j, joint)| {
+            let (position, _, effort) = units(rollout.kinds[j]);
             vec![
                 joint.clone(),
-                format!("{:.1e} rad", rms[j]),
-                format!("{:.1e} rad", peak[j]),
-                format!("{:.1} N m", torque[j]),
+                format!("{:.1e} {position}", rms[j]),
+                format!("{:.1e} {position}", peak[j]),
+                format!("{:.2} {effort}", torque[j]),
                 rollout.saturated[j].to_string(),
             ]
         })

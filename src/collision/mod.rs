@@ -226,9 +226,16 @@ impl CollisionModel {
                 if left.is_farther(&placed, right, &other, least) {
                     continue;
                 }
-                // parry says 0 when its search gives up: on the safe side, as is what it does not support.
+                // parry says 0 when its search gives up: on the safe side, as is here what it does not support, and what
+                // is not a number.
                 let distance = query::distance(&placed, &*left.shape, &other, &*right.shape)
-                    .map_or(0.0, |d| d.distance);
+                    .map_or(0.0, |d| {
+                        if d.distance.is_finite() {
+                            d.distance
+                        } else {
+                            0.0
+                        }
+                    });
                 least = least.min(distance);
             }
         }

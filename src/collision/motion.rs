@@ -72,11 +72,12 @@ impl CollisionModel {
             }
         }
         let Some((time, distance, pair)) = best else {
-            return Err(
-                Error::new(ErrorKind::Infeasible, "no pair of bodies is checked")
-                    .help("leave out fewer pairs")
-                    .at(format!("robot `{}`", robot.name())),
-            );
+            return Err(Error::new(
+                ErrorKind::Infeasible,
+                "no pair of bodies is checked: those with collision shapes are neighbours or left out",
+            )
+            .help("add collision shapes to the URDF, or leave out fewer pairs")
+            .at(format!("robot `{}`", robot.name())));
         };
         Ok(MotionClearance {
             clearance: Clearance {

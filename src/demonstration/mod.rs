@@ -18,6 +18,9 @@ pub use window::{Duration, LeftOut};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{FourierBasis, Joints, Wave};
 
+/// A joint whose positions differ by no more than this \[rad\] stands still: no encoder sees it.
+const STILL: f64 = 1e-9;
+
 /// Recordings of one gesture, cut to one period T, their times counted from 0.
 ///
 /// Harmonic k means k/T Hz only if T is common to all, so recordings are cut, never stretched, and fitted on their
@@ -57,7 +60,7 @@ impl Demonstrations {
         for recording in &recordings {
             for (d, joint) in joints.iter().enumerate() {
                 let column = recording.positions.column(d);
-                if column.max() == column.min() {
+                if column.max() - column.min() <= STILL {
                     return Err(Error::new(ErrorKind::Value, "the joint never moves")
                         .expected("a motion: the logarithm of its amplitude is learned")
                         .help("leave the joint out with --joints, and give it a constant in the joint map")

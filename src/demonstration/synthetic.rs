@@ -76,7 +76,8 @@ pub fn synthetic(seed: u64) -> Result<Demonstrations> {
     let recordings = (0..DEMONSTRATIONS)
         .map(|m| {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(m as u64);
+            // From the end, so that no draw of a model with the same seed uses the same numbers.
+            rng.set_stream(u64::MAX - m as u64);
             // A continuum, denser towards both ends, as people have a slow wave and a fast one.
             let turn = std::f64::consts::PI * m as f64 / (DEMONSTRATIONS - 1) as f64;
             let pace = (1.0 - turn.cos()) / 2.0;

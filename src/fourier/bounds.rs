@@ -195,7 +195,9 @@ impl Bounded<'_> {
         let radius = (s1 * half)
             .min(slope * half + s2 * half * half / 2.0)
             .min(slope * half + curvature * half * half / 2.0 + s3 * half.powi(3) / 6.0);
-        let rounding = slack * (s0 + value.abs() + self.offset().abs());
+        // Dividing a late time by the period loses digits of the phase.
+        let late = 4.0 * f64::EPSILON * (middle.abs() + self.wave.period()) * s1;
+        let rounding = slack * (s0 + value.abs() + self.offset().abs()) + late;
         let local = Interval::around(value, radius * (1.0 + slack) + rounding);
         let global = Interval::around(self.offset(), s0 + rounding);
         (value, local.intersect(global))

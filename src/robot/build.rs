@@ -42,7 +42,7 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
 
     let mut notes = Vec::new();
     let mut names = Vec::new();
-    let mut properties = Vec::new();
+    let mut commanded = Vec::new();
     let mut bodies: Vec<Body> = Vec::new();
     let mut placed: Vec<Link> = Vec::new();
     // Depth first in the order of the file, without recursion: chains may be long.
@@ -54,9 +54,9 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
             let joint = moving.map(|joint| {
                 if joint.mimic.is_none() {
                     names.push(joint.name.clone());
-                    properties.push(joint_properties(joint, &mut notes));
+                    commanded.push(bodies.len());
                 }
-                body_joint(joint, pose)
+                body_joint(joint, pose, joint_properties(joint, &mut notes))
             });
             bodies.push(Body {
                 name: link.name.clone(),
@@ -97,7 +97,7 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
     Ok(Robot {
         name: urdf.name.clone(),
         joints,
-        properties,
+        commanded,
         bodies,
         links: placed,
         notes,
@@ -122,7 +122,11 @@ fn resolve(
     Ok(())
 }
 
-fn body_joint(joint: &urdf_rs::Joint, origin: Isometry3<f64>) -> BodyJoint {
+fn body_joint(
+    joint: &urdf_rs::Joint,
+    origin: Isometry3<f64>,
+    properties: JointProperties,
+) -> BodyJoint {
     BodyJoint {
         name: joint.name.clone(),
         kind: match joint.joint_type {
@@ -134,6 +138,7 @@ fn body_joint(joint: &urdf_rs::Joint, origin: Isometry3<f64>) -> BodyJoint {
         multiplier: 1.0,
         offset: 0.0,
         origin,
+        properties,
     }
 }
 
@@ -151,18 +156,17 @@ fn joint_properties(joint: &urdf_rs::Joint, notes: &mut Vec<String>) -> JointPro
     let effort = given("effort", limit.effort);
     let position = match joint.joint_type {
         JointType::Continuous => None,
-        _ if limit.lower == 0.0 && limit.upper == 0.0 => {
-            notes.push(format!(
-                "joint `{}`: no position limit is given",
-                joint.name
-            ));
-            None
-        }
         _ => Some(Interval {
             lower: limit.lower,
             upper: limit.upper,
         }),
     };
+    if position.is_some_and(|p| p.lower == 0.0 && p.upper == 0.0) {
+        notes.push(format!(
+            "joint `{}`: its position limits are 0 and 0, so it may not move; give lower and upper, or make it continuous",
+            joint.name
+        ));
+    }
     let dynamics = joint.dynamics.clone().unwrap_or_default();
     JointProperties {
         position,

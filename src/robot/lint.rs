@@ -13,6 +13,16 @@ use crate::error::{Error, ErrorKind, Result, listed};
 /// No real file nests deeper; the parsers behind this one recurse.
 const DEEPEST: usize = 64;
 
+/// No length, angle, mass or inertia of a robot is larger; sums and products of such numbers stay finite.
+const LARGEST: f64 = 1e9;
+
+/// Elements whose content is their attributes. The parser behind this would take a child element for an attribute of the
+/// same name, past all checks here.
+const LEAVES: [&str; 14] = [
+    "origin", "axis", "limit", "dynamics", "mimic", "mass", "inertia", "parent", "child", "box",
+    "sphere", "cylinder", "capsule", "mesh",
+];
+
 /// Checks the text, tree of links included.
 pub(super) fn lint(text: &str) -> Result<()> {
     // Without document types there are no entities to expand.
@@ -120,14 +130,27 @@ impl<'a> Xml<'a> {
         }
     }
 
+    /// Numbers of moderate size: lengths, angles, masses.
     fn numbers(&self, node: Node<'a, 'a>, attribute: &str, count: usize) -> Result<Vec<f64>> {
+        let numbers = self.any_numbers(node, attribute, count)?;
+        if numbers.iter().all(|x| x.abs() <= LARGEST) {
+            return Ok(numbers);
+        }
+        let text = listed(&[node.attribute(attribute).unwrap_or("")]);
+        Err(self
+            .refuse(node, format!("{attribute}=\"{text}\""))
+            .expected(format!("numbers within +-{LARGEST:e}")))
+    }
+
+    /// Finite numbers; limits are often given as 1e16 or the like.
+    fn any_numbers(&self, node: Node<'a, 'a>, attribute: &str, count: usize) -> Result<Vec<f64>> {
         let text = self.text(node, attribute)?;
         let numbers: Option<Vec<f64>> = text
             .split_whitespace()
             .map(|word| word.parse().ok().filter(|x: &f64| x.is_finite()))
             .collect();
         numbers.filter(|n| n.len() == count).ok_or_else(|| {
-            self.refuse(node, format!("{attribute}=\"{text}\""))
+            self.refuse(node, format!("{attribute}=\"{}\"", listed(&[text])))
                 .expected(match count {
                     1 => "a finite number".to_owned(),
                     _ => format!("{count} finite numbers"),
@@ -137,6 +160,12 @@ impl<'a> Xml<'a> {
 
     fn number(&self, node: Node<'a, 'a>, attribute: &str) -> Result<f64> {
         Ok(self.numbers(node, attribute, 1)?[0])
+    }
+
+    fn optional_limit(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Option<f64>> {
+        node.attribute(attribute)
+            .map(|_| Ok(self.any_numbers(node, attribute, 1)?[0]))
+            .transpose()
     }
 
     fn optional_number(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Option<f64>> {
@@ -171,7 +200,33 @@ impl<'a> Xml<'a> {
         Ok(())
     }
 
+    /// Below a link or joint, leaves have no children, and elements that are read once are there once.
+    fn structure(&self, node: Node<'a, 'a>) -> Result<()> {
+        for element in node.descendants().filter(Node::is_element) {
+            let tag = element.tag_name().name();
+            if LEAVES.contains(&tag) && element.children().any(|c| c.is_element()) {
+                return Err(self
+                    .refuse(element, format!("<{tag}> with elements inside"))
+                    .expected("its values as attributes"));
+            }
+            let mut seen = HashSet::new();
+            for child in element.children().filter(Node::is_element) {
+                let child_tag = child.tag_name().name();
+                let once = LEAVES.contains(&child_tag)
+                    || child_tag == "inertial"
+                    || child_tag == "geometry";
+                if once && !seen.insert(child_tag) {
+                    return Err(self
+                        .refuse(child, format!("a second <{child_tag}>"))
+                        .expected("one"));
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn link(&self, node: Node<'a, 'a>) -> Result<()> {
+        self.structure(node)?;
         if let Some(inertial) = self.child(node, "inertial") {
             self.origin(inertial)?;
             let part = |tag: &str| {
@@ -184,7 +239,8 @@ impl<'a> Xml<'a> {
                 self.number(inertia, attribute)?;
             }
         }
-        for solid in node.children().filter(|n| n.has_tag_name("collision")) {
+        let is_solid = |n: &Node| n.has_tag_name("collision") || n.has_tag_name("visual");
+        for solid in node.children().filter(is_solid) {
             self.origin(solid)?;
             self.geometry(solid)?;
         }
@@ -195,7 +251,15 @@ impl<'a> Xml<'a> {
         let shape = self
             .child(solid, "geometry")
             .and_then(|g| g.children().find(Node::is_element))
-            .ok_or_else(|| self.refuse(solid, "<collision> without a shape in its <geometry>"))?;
+            .ok_or_else(|| {
+                self.refuse(
+                    solid,
+                    format!(
+                        "<{}> without a shape in its <geometry>",
+                        solid.tag_name().name()
+                    ),
+                )
+            })?;
         match shape.tag_name().name() {
             "box" => self.positive(shape, "size", 3),
             "sphere" => self.positive(shape, "radius", 1),
@@ -217,6 +281,7 @@ impl<'a> Xml<'a> {
     }
 
     fn joint(&self, node: Node<'a, 'a>, links: &Names, joints: &Names<'a>) -> Result<()> {
+        self.structure(node)?;
         let kind = self.text(node, "type")?;
         let moves = match kind {
             "fixed" => false,
@@ -287,8 +352,8 @@ impl<'a> Xml<'a> {
                     .help("add <limit lower=.. upper=.. velocity=.. effort=..>"))
             };
         };
-        let lower = self.optional_number(limit, "lower")?.unwrap_or(0.0);
-        let upper = self.optional_number(limit, "upper")?.unwrap_or(0.0);
+        let lower = self.optional_limit(limit, "lower")?.unwrap_or(0.0);
+        let upper = self.optional_limit(limit, "upper")?.unwrap_or(0.0);
         if lower > upper {
             return Err(self
                 .refuse(
@@ -304,7 +369,7 @@ impl<'a> Xml<'a> {
         }
         for attribute in ["velocity", "effort"] {
             if self
-                .optional_number(limit, attribute)?
+                .optional_limit(limit, attribute)?
                 .is_some_and(|x| x < 0.0)
             {
                 return Err(self
@@ -316,25 +381,29 @@ impl<'a> Xml<'a> {
     }
 
     fn mimic(&self, node: Node<'a, 'a>, joints: &Names<'a>) -> Result<()> {
-        let mut seen = vec![node];
-        while let Some(mimic) = seen.last().and_then(|n| self.child(*n, "mimic")) {
+        let mut at = node;
+        let mut seen = HashSet::from([node.id()]);
+        while let Some(mimic) = self.child(at, "mimic") {
             let leader = self.text(mimic, "joint")?;
-            for attribute in ["multiplier", "offset"] {
-                self.optional_number(mimic, attribute)?;
+            if self.optional_number(mimic, "multiplier")? == Some(0.0) {
+                return Err(self
+                    .refuse(mimic, "a mimic with multiplier 0 never moves")
+                    .help("make the joint fixed"));
             }
+            self.optional_number(mimic, "offset")?;
             let Some(leader_node) = joints.get(leader).copied() else {
                 return Err(
                     Error::new(ErrorKind::Name, format!("no joint `{leader}` to mimic"))
                         .at(self.line(mimic)),
                 );
             };
-            if seen.contains(&leader_node) {
+            if !seen.insert(leader_node.id()) {
                 return Err(self.refuse(mimic, format!("mimic of `{leader}` comes back to itself")));
             }
             if leader_node.attribute("type") == Some("fixed") {
                 return Err(self.refuse(mimic, format!("mimic of the fixed joint `{leader}`")));
             }
-            seen.push(leader_node);
+            at = leader_node;
         }
         Ok(())
     }

@@ -29,7 +29,8 @@ const LEAST_INERTIA: f64 = 1e-9;
 pub struct Robot {
     name: String,
     joints: Joints,
-    properties: Vec<JointProperties>,
+    /// For each joint, the body that it moves.
+    commanded: Vec<usize>,
     bodies: Vec<Body>,
     links: Vec<Link>,
     notes: Vec<String>,
@@ -53,9 +54,9 @@ pub struct JointProperties {
 /// How a body moves against its parent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
-    /// About an axis.
+    /// About an axis: rad, rad/s, N m.
     Revolute,
-    /// Along an axis.
+    /// Along an axis: m, m/s, N.
     Prismatic,
 }
 
@@ -76,6 +77,8 @@ pub struct BodyJoint {
     pub offset: f64,
     /// The body's frame in its parent's at position 0.
     pub origin: Isometry3<f64>,
+    /// Its own limits and losses.
+    pub properties: JointProperties,
 }
 
 /// Mass, centre of mass and inertia of a body, in its frame.
@@ -130,9 +133,25 @@ impl Robot {
         &self.joints
     }
 
-    /// What is known of joint `index`, in the order of [`joints`](Self::joints).
+    /// Joint `index`, in the order of [`joints`](Self::joints). Panics when there is none, as slices do.
+    pub fn joint(&self, index: usize) -> &BodyJoint {
+        let body = &self.bodies[self.commanded[index]];
+        body.joint
+            .as_ref()
+            .expect("`commanded` names bodies with a joint")
+    }
+
+    /// What is known of joint `index`.
     pub fn properties(&self, index: usize) -> &JointProperties {
-        &self.properties[index]
+        &self.joint(index).properties
+    }
+
+    /// Every joint that moves a body, with the body's index; those that mimic others too.
+    pub fn moving(&self) -> impl Iterator<Item = (usize, &BodyJoint)> {
+        self.bodies
+            .iter()
+            .enumerate()
+            .filter_map(|(i, b)| b.joint.as_ref().map(|j| (i, j)))
     }
 
     /// Bodies, the base first, parents before children.
@@ -170,9 +189,12 @@ impl Robot {
 
     /// The configuration that stands for rest: 0 where the limits allow it, else the nearest position that they do.
     pub fn rest(&self) -> Vec<f64> {
-        self.properties
-            .iter()
-            .map(|p| p.position.map_or(0.0, |i| 0.0_f64.clamp(i.lower, i.upper)))
+        (0..self.joints.len())
+            .map(|j| {
+                self.properties(j)
+                    .position
+                    .map_or(0.0, |i| 0.0_f64.clamp(i.lower, i.upper))
+            })
             .collect()
     }
 

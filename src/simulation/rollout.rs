@@ -5,12 +5,15 @@ use std::fmt::Write as _;
 use nalgebra::{DMatrix, DVector};
 
 use crate::fourier::Joints;
+use crate::robot::JointKind;
 
 /// An executed motion: one row a time step, one column a joint of the robot. rad, rad/s, N m (m, m/s, N for prismatic joints).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rollout {
     /// The robot's joints.
     pub joints: Joints,
+    /// Whether a joint's numbers are rad, rad/s and N m, or m, m/s and N.
+    pub kinds: Vec<JointKind>,
     /// Time of each row \[s\].
     pub times: Vec<f64>,
     /// What was asked for.
@@ -19,9 +22,10 @@ pub struct Rollout {
     pub position: DMatrix<f64>,
     /// Its rates.
     pub velocity: DMatrix<f64>,
-    /// The motors' torque over the step that starts at the row (the last row repeats the one before).
+    /// What acted along the joint over the step that starts at the row: its motor and, at a position limit, its stop
+    /// (the last row repeats the one before).
     pub torque: DMatrix<f64>,
-    /// Steps in which a motor was at its effort limit, by joint.
+    /// Steps in which that was at the effort limit of the motor or beyond, by joint.
     pub saturated: Vec<usize>,
 }
 
@@ -57,14 +61,18 @@ impl Rollout {
     /// A table: `time_s`, then for each joint its reference, position, velocity and torque.
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time_s");
-        for joint in &self.joints {
+        for (joint, kind) in self.joints.iter().zip(&self.kinds) {
             let name = quoted(joint);
-            for quantity in [
-                "reference_rad",
-                "position_rad",
-                "velocity_rad_s",
-                "torque_nm",
-            ] {
+            let quantities = match kind {
+                JointKind::Revolute => [
+                    "reference_rad",
+                    "position_rad",
+                    "velocity_rad_s",
+                    "torque_nm",
+                ],
+                JointKind::Prismatic => ["reference_m", "position_m", "velocity_m_s", "force_n"],
+            };
+            for quantity in quantities {
                 let _ = write!(text, ",{}", name.replace("{}", quantity));
             }
         }

@@ -77,12 +77,7 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
     state(0, &mut now);
     let velocity = (&now.position - &before.position) / dt;
     let mut world = MultibodyWorld::new(robot, now.position.as_slice(), velocity.as_slice(), dt)?;
-    let moving: Vec<(usize, &BodyJoint)> = robot
-        .bodies()
-        .iter()
-        .enumerate()
-        .filter_map(|(i, b)| b.joint.as_ref().map(|j| (i, j)))
-        .collect();
+    let moving: Vec<(usize, &BodyJoint)> = robot.moving().collect();
     let mut dynamics = Dynamics::new(robot);
     let motors = options.motors(robot, &moving, wave, &mut dynamics);
 
@@ -114,7 +109,7 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
         for (&(body, joint), motor) in moving.iter().zip(&motors) {
             let speed = joint.multiplier * rate[joint.index];
             let forward = if options.feed_forward {
-                dynamics.body_efforts()[body] + resistance(robot, joint, speed)
+                dynamics.body_efforts()[body] + resistance(joint, speed)
             } else {
                 0.0
             };
@@ -130,7 +125,30 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
                 v_after[joint.index] = r;
             }
         }
-        if !q_after.iter().chain(v_after.iter()).all(|x| x.is_finite()) {
+        // Motor impulses are not told by Rapier: they are what the motion that came of them needs.
+        let came = (&v_after - &v) / dt;
+        dynamics.inverse(robot, q.as_slice(), v.as_slice(), came.as_slice(), &GRAVITY);
+        for &(body, joint) in &moving {
+            if !robot.is_commanded(joint) {
+                continue;
+            }
+            let j = joint.index;
+            let effort = dynamics.body_efforts()[body] + resistance(joint, v_after[j]);
+            torque[(n, j)] = effort;
+            if joint
+                .properties
+                .effort
+                .is_some_and(|limit| effort.abs() >= SATURATION * limit)
+            {
+                saturated[j] += 1;
+            }
+        }
+        let numbers = q_after.iter().chain(v_after.iter());
+        if !numbers
+            .copied()
+            .chain(torque.row(n).iter().copied())
+            .all(f64::is_finite)
+        {
             return Err(Error::new(
                 ErrorKind::Infeasible,
                 format!(
@@ -138,24 +156,8 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
                     (n + 1) as f64 * dt
                 ),
             )
-            .help("take a smaller time step or bandwidth")
+            .help("a wave beyond the robot's limits does this, as do a large time step and absurd masses")
             .at(format!("robot `{}`", robot.name())));
-        }
-        // Motor impulses are not told by Rapier: they are what the motion that came of them needs.
-        let came = (&v_after - &v) / dt;
-        let needed = dynamics.inverse(robot, q.as_slice(), v.as_slice(), came.as_slice(), &GRAVITY);
-        for j in 0..joints {
-            let properties = robot.properties(j);
-            let effort = needed[j]
-                + properties.damping * v_after[j]
-                + properties.friction * signum(v_after[j]);
-            torque[(n, j)] = effort;
-            if properties
-                .effort
-                .is_some_and(|limit| effort.abs() >= SATURATION * limit)
-            {
-                saturated[j] += 1;
-            }
         }
         q = q_after;
         v.copy_from(&v_after);
@@ -168,6 +170,7 @@ pub fn track(robot: &Robot, wave: &Wave, options: &TrackOptions) -> Result<Rollo
     }
     Ok(Rollout {
         joints: robot.joints().clone(),
+        kinds: (0..joints).map(|j| robot.joint(j).kind).collect(),
         times: (0..=steps).map(|n| n as f64 * dt).collect(),
         reference,
         position,
@@ -225,7 +228,7 @@ impl TrackOptions {
                 Motor {
                     stiffness: own * w * w,
                     damping: 2.0 * own * w,
-                    effort: robot.properties(joint.index).effort.unwrap_or(f64::MAX),
+                    effort: joint.properties.effort.unwrap_or(f64::MAX),
                 }
             })
             .collect()
@@ -233,9 +236,8 @@ impl TrackOptions {
 }
 
 /// What damping and friction take at a rate.
-fn resistance(robot: &Robot, joint: &BodyJoint, rate: f64) -> f64 {
-    let properties = robot.properties(joint.index);
-    properties.damping * rate + properties.friction * signum(rate)
+fn resistance(joint: &BodyJoint, rate: f64) -> f64 {
+    joint.properties.damping * rate + joint.properties.friction * signum(rate)
 }
 
 /// The sign, 0 at rest.

@@ -52,10 +52,7 @@ impl MultibodyWorld {
         let mut axes = Vec::new();
         for (i, body) in robot.bodies().iter().enumerate().skip(1) {
             let Some(joint) = &body.joint else { continue };
-            let limits = robot
-                .is_commanded(joint)
-                .then(|| robot.properties(joint.index).position)
-                .flatten();
+            let limits = joint.properties.position;
             let (axis, data) = generic_joint(joint, limits.map(|l| [l.lower, l.upper]));
             let handle = world
                 .multibody_joints
@@ -82,11 +79,7 @@ impl MultibodyWorld {
     }
 
     fn place(&mut self, robot: &Robot, q: &[f64], v: &[f64]) {
-        let moving: Vec<&BodyJoint> = robot
-            .bodies()
-            .iter()
-            .filter_map(|b| b.joint.as_ref())
-            .collect();
+        let moving: Vec<&BodyJoint> = robot.moving().map(|(_, joint)| joint).collect();
         let Some(first) = self.joints.first().copied() else {
             return;
         };
@@ -103,9 +96,8 @@ impl MultibodyWorld {
             displacement[at[j]] = joint.position(q);
             multibody.generalized_velocity_mut()[at[j]] = joint.multiplier * v[joint.index];
             // Rapier starts with a damping of its own.
-            let properties = robot.properties(joint.index);
-            multibody.damping_mut()[at[j]] = properties.damping;
-            multibody.frictions_mut()[at[j]] = properties.friction;
+            multibody.damping_mut()[at[j]] = joint.properties.damping;
+            multibody.frictions_mut()[at[j]] = joint.properties.friction;
             multibody.armature_mut()[at[j]] = 0.0;
         }
         multibody.apply_displacements(&displacement);

@@ -72,7 +72,12 @@ pub fn gaussian(
         "samples of another dimension than the Gaussian"
     );
     let n = samples.len() as f64;
-    let svd = gaussian.factor().clone().svd(true, false);
+    // A column of zeros changes nothing, and a matrix without columns has no decomposition.
+    let svd = gaussian
+        .factor()
+        .clone()
+        .insert_column(0, 0.0)
+        .svd(true, false);
     let u = svd.u.expect("asked for");
     let largest = svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())
