@@ -108,3 +108,42 @@ impl Verdict {
                 .is_some_and(MotionClearance::is_free)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{dmatrix, dvector};
+    use num_complex::Complex;
+
+    #[test]
+    fn a_mimicking_joint_has_limits_of_its_own() {
+        let robot = Robot::from_urdf(
+            r#"<robot name="gripper"><link name="a"/><link name="b"/><link name="c"/>
+            <joint name="left" type="prismatic"><parent link="a"/><child link="b"/><limit lower="-1" upper="1" velocity="9"/></joint>
+            <joint name="right" type="prismatic"><parent link="a"/><child link="c"/><limit lower="-0.3" upper="0.3" velocity="9"/>
+            <mimic joint="left" multiplier="-2" offset="0.1"/></joint></robot>"#,
+        )
+        .unwrap();
+        // left moves within 0.1 +- 0.1, right within -2 (0.1 +- 0.1) + 0.1 = -0.3 .. 0.1.
+        let wave = |size: f64| {
+            Wave::new(
+                robot.joints().clone(),
+                1.0,
+                dvector![0.1],
+                dmatrix![Complex::new(size / 2.0, 0.0)],
+            )
+            .unwrap()
+        };
+        let excess = |size: f64| {
+            let uses = limits(&robot, &wave(size)).unwrap();
+            let right = uses
+                .iter()
+                .find(|u| u.joint == "right" && u.quantity == Derivative::Position)
+                .unwrap();
+            assert_eq!(right.kind, JointKind::Prismatic);
+            right.excess()
+        };
+        assert_eq!(excess(0.099), 0.0);
+        assert!((excess(0.2) - 0.2).abs() < 1e-5);
+    }
+}

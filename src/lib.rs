@@ -67,7 +67,8 @@
 //! # What holds
 //!
 //! * A value that exists is valid: constructors return [`Result`], operations return new values.
-//! * No input makes the crate panic; every [`Error`] says what, where, what was expected and what to do.
+//! * No file or text makes the crate panic; every [`Error`] says what, where, what was expected and what to do. (Slices of
+//!   another length than the robot has joints do, as indexing does; such functions say so.)
 //! * A model file and a seed give the same waves, bit for bit, on every machine.
 //! * The learning half knows no robot, the robot half no primitive; modules use only modules below them (a test holds that).
 //!
@@ -117,6 +118,8 @@ mod simulation;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod units;
+
+pub use {nalgebra, num_complex, rand};
 
 #[cfg(feature = "robot")]
 pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};

@@ -19,3 +19,17 @@ pub fn parse_angle(text: &str) -> Result<f64> {
             .expected("a number with unit deg or rad, such as 5deg")),
     }
 }
+
+/// [`parse_angle`] of a text that must name its unit.
+///
+/// # Errors
+/// Those of `parse_angle`, and when there is no unit.
+pub fn parse_angle_with_unit(text: &str) -> Result<f64> {
+    if text.trim().ends_with("deg") || text.trim().ends_with("rad") {
+        return parse_angle(text);
+    }
+    Err(
+        Error::new(ErrorKind::Syntax, format!("angle `{}`", text.trim()))
+            .expected("a number with its unit, such as 5deg or 0.1rad"),
+    )
+}

@@ -303,15 +303,18 @@ fn bad_recordings_are_named_and_nothing_is_written() {
         ),
         (
             vec!["learn", "good.csv", "--joints", "c"],
-            vec!["good.csv, line 1: no column `c`, expected one of time_s, a"],
+            vec!["good.csv, line 1: no column `c` among time_s, a"],
         ),
         (
             vec!["learn", "good.csv"],
-            vec!["1 recordings can be used", "at least two"],
+            vec!["only 1 of 1 recordings can be used", "at least two"],
         ),
         (
             vec!["learn", "good.csv", "short.csv"],
-            vec!["1 recordings can be used", "short.csv lasts 0.380 s"],
+            vec![
+                "only 1 of 2 recordings can be used",
+                "short.csv lasts 0.380 s",
+            ],
         ),
         (
             vec!["learn", "good.csv", "good.csv", "--harmonics", "120"],
@@ -451,7 +454,7 @@ fn bad_models_waves_and_robots_are_named() {
         ("learn --harmonics 0", "0 harmonics, expected from 1"),
         ("learn --harmonics 18446744073709551615", "expected from 1"),
         (
-            "condition model.json --given size:elbow=3 -o x.json",
+            "condition model.json --given size:elbow=3deg -o x.json",
             "quantity `size`",
         ),
         (
@@ -476,6 +479,14 @@ fn bad_models_waves_and_robots_are_named() {
         (
             "simulate wave.json --robot wave_arm --duration 1e9",
             "duration of 1000000000 s",
+        ),
+        (
+            "condition model.json --given offset:elbow_flexion=3 -o x.json",
+            "with its unit",
+        ),
+        (
+            "map --init model.json wave_arm -o map.toml",
+            "the file exists",
         ),
         ("map model.json wave_arm", "--init"),
         ("", "Usage"),

@@ -29,6 +29,7 @@ fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
 #[test]
 fn twenty_seeds_a_condition_are_tracked_without_touching() {
     let robot = shipped::robot("wave_arm").unwrap();
+    let collision = CollisionModel::new(&robot, &[]).unwrap();
     let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 25).unwrap();
     let mut drawn = 0;
     for condition in [
@@ -52,6 +53,21 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
                 rollout.rms_error()
             );
             assert_eq!(rollout.saturated, [0; 6], "seed {seed}");
+            // What was achieved keeps limits and distance too.
+            for q in rollout.position.row_iter() {
+                let q: Vec<f64> = q.iter().copied().collect();
+                assert!(collision.collision(&robot, &q).is_none(), "seed {seed}");
+                for (j, position) in q.iter().enumerate() {
+                    let limit = robot.properties(j).position.unwrap();
+                    assert!(limit.contains(*position), "seed {seed}, joint {j}");
+                }
+            }
+            for (j, limit) in (0..6).map(|j| (j, robot.properties(j).velocity.unwrap())) {
+                assert!(
+                    rollout.velocity.column(j).amax() <= limit,
+                    "seed {seed}, joint {j}"
+                );
+            }
         }
     }
     println!("{drawn} draws for 40 waves");

@@ -107,7 +107,7 @@ fn three_kinds_of_time_stamps_agree_with_numpy() {
                 .iter()
                 .map(|o| {
                     let coordinate = o["coordinate"].as_str().unwrap();
-                    format!("{coordinate}={}", o["value"].as_f64().unwrap())
+                    format!("{coordinate}={}rad", o["value"].as_f64().unwrap())
                         .parse()
                         .unwrap()
                 })

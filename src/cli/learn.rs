@@ -8,10 +8,17 @@ use serde_json::json;
 use super::{Outcome, output};
 use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
 use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::Wave;
 use crate::primitive::FourierMovementPrimitive;
 
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
 const MUCH_LEAKAGE: f64 = 0.05;
+
+/// No joint of a person or robot that waves is wound up so far \[rad\].
+const UNLIKELY: f64 = 4.0 * std::f64::consts::PI;
+
+/// Standard deviations below this are those of one demonstration given several times.
+const IDENTICAL: f64 = 1e-9;
 
 /// Learn a movement primitive from recordings.
 #[derive(Args)]
@@ -125,7 +132,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     if highest < 2.0 * tempo {
         output::warn(format!(
-            "{} harmonics reach {highest:.2} Hz, and the fastest recording waves at {tempo:.2} Hz: take at least {} with --harmonics",
+            "{} harmonics reach {highest:.2} Hz, less than twice the fastest tempo, {tempo:.2} Hz: the overtones of fast waves are lost; --harmonics {} keeps the first",
             arguments.harmonics,
             (2.0 * tempo * demonstrations.period()).ceil()
         ));
@@ -140,6 +147,22 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             100.0 * MUCH_LEAKAGE,
             arguments.harmonics
         ));
+    }
+    let farthest = demonstrations
+        .recordings()
+        .iter()
+        .map(|r| r.positions().amax())
+        .fold(0.0, f64::max);
+    if farthest > UNLIKELY {
+        output::warn(format!(
+            "a joint is at {farthest:.1} rad, {:.1} turns: are the recordings in degrees? then add --degrees",
+            farthest / std::f64::consts::TAU
+        ));
+    }
+    let still = (0..primitive.gaussian().dimension())
+        .all(|i| primitive.gaussian().standard_deviation(i) < IDENTICAL);
+    if still {
+        output::warn("the demonstrations are all the same: every draw will be the same wave");
     }
     if let Some(folder) = &arguments.fits {
         for (i, wave) in waves.iter().enumerate() {
@@ -191,8 +214,54 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 worst.name
             ));
         }
-        text.push_str(&format!("\nwrote {}", arguments.output.display()));
+        text.push_str(&format!("\n\n{}", strongest(&waves)));
+        text.push_str(&format!("\n\nwrote {}", arguments.output.display()));
         text
     });
     Ok(Outcome::Done)
+}
+
+/// For each joint where it waves about, and the harmonic to condition on: the one with most energy over all demonstrations.
+fn strongest(waves: &[Wave]) -> String {
+    let joints = waves[0].joints();
+    let rows: Vec<Vec<String>> = joints
+        .iter()
+        .enumerate()
+        .map(|(d, joint)| {
+            let offsets: Vec<f64> = waves.iter().map(|w| w.offsets()[d]).collect();
+            let energy = |k: &usize| {
+                waves
+                    .iter()
+                    .map(|w| w.weights()[(d, k - 1)].norm_sqr())
+                    .sum::<f64>()
+            };
+            let k = (1..=waves[0].harmonics())
+                .max_by(|a, b| energy(a).total_cmp(&energy(b)))
+                .unwrap_or(1);
+            let moduli: Vec<f64> = waves
+                .iter()
+                .map(|w| w.weights()[(d, k - 1)].norm())
+                .collect();
+            let span = |values: &[f64]| {
+                let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                format!("{} .. {}", output::degrees(low), output::degrees(high))
+            };
+            vec![
+                joint.clone(),
+                span(&offsets),
+                format!("{k}, {:.2} Hz", k as f64 / waves[0].period()),
+                span(&moduli),
+            ]
+        })
+        .collect();
+    output::table(
+        &[
+            "joint",
+            "offset [deg]",
+            "strongest harmonic",
+            "its modulus [deg]",
+        ],
+        &rows,
+    )
 }

@@ -8,12 +8,12 @@ use serde_json::json;
 
 use super::robot::{joint_map, robot};
 use super::{Outcome, output, read_model};
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::figure::{Image, Poses};
 use crate::fourier::{Derivative, Interval, Wave};
 use crate::primitive::{FourierMovementPrimitive, stream};
-use crate::retarget::JointMap;
-use crate::robot::Robot;
+use crate::retarget::{JointMap, Source};
+use crate::robot::{JointKind, Robot};
 
 /// Width and height of a tile of the picture \[px\].
 const TILE: (u32, u32) = (480, 400);
@@ -25,7 +25,7 @@ const DRAWS: u64 = 25;
 #[derive(Args)]
 #[command(
     group = ArgGroup::new("what").required(true),
-    after_help = "--show draws the robot at the mean posture, and for each joint how it moves through its range, so that a wrong sign is seen.\n\n\
+    after_help = "--show draws the robot at the mean posture, and for each joint how the robot moves (pale to solid) while the\n    learned joint grows: does it flex when the person flexed?\n\n\
     Examples:\n  \
     undulate map --init model.json my.urdf -o my.toml\n  \
     undulate map --show model.json my.urdf --map my.toml -o my.png"
@@ -45,6 +45,9 @@ pub(super) struct Arguments {
     /// The map to show; as in `undulate check`.
     #[arg(long, value_name = "TOML|NAME", conflicts_with = "init")]
     map: Option<String>,
+    /// Let --init overwrite a file.
+    #[arg(long, requires = "init")]
+    force: bool,
     /// The file to write [default: map.toml, map.png].
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -59,6 +62,14 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             .output
             .clone()
             .unwrap_or_else(|| "map.toml".into());
+        if path.exists() && !arguments.force {
+            return Err(Error::new(
+                ErrorKind::Setting,
+                "the file exists, and may have been edited",
+            )
+            .help("name another with --output, or overwrite it with --force")
+            .at(path.display().to_string()));
+        }
         output::write(&path, JointMap::template(learned, &robot).as_bytes())?;
         output::report(json, &json!({"map": path}), || {
             format!(
@@ -68,11 +79,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         });
         return Ok(Outcome::Done);
     }
+    super::robot::tell_notes(&robot);
     let map = joint_map(arguments.map.as_deref(), &arguments.robot, learned)?;
     let wave = map.apply(&primitive.mean_wave(), &robot)?;
     let ranges = typical_ranges(&primitive, &map, &robot)?;
     let path = arguments.output.clone().unwrap_or_else(|| "map.png".into());
-    output::write(&path, &picture(&robot, &wave, &ranges)?.to_png()?)?;
+    output::write(&path, &picture(&robot, &map, &wave, &ranges)?.to_png()?)?;
 
     let outside = |j: usize| {
         robot
@@ -153,8 +165,8 @@ fn span(interval: Interval) -> String {
     )
 }
 
-/// A tile of the mean posture, then one a joint, from the lower end of its range (pale) to the upper (solid).
-fn picture(robot: &Robot, wave: &Wave, ranges: &[Interval]) -> Result<Image> {
+/// A tile of the mean posture, then one a joint that moves: from pale to solid, the learned joint grows.
+fn picture(robot: &Robot, map: &JointMap, wave: &Wave, ranges: &[Interval]) -> Result<Image> {
     let posture: Vec<f64> = wave.offsets().iter().copied().collect();
     let tile = |configurations: &[Vec<f64>], caption: &str| {
         let poses = Poses {
@@ -166,14 +178,30 @@ fn picture(robot: &Robot, wave: &Wave, ranges: &[Interval]) -> Result<Image> {
     };
     let mut tiles = vec![tile(std::slice::from_ref(&posture), "mean posture")?];
     for (j, joint) in robot.joints().iter().enumerate() {
+        let (learned, gain) = match map.sources().find(|(name, _)| name == joint) {
+            Some((_, Source::Constant(_))) => continue,
+            Some((_, Source::Learned { joint, gain, .. })) => (joint.as_str(), *gain),
+            None => (joint.as_str(), 1.0),
+        };
+        let Interval { lower, upper } = ranges[j];
+        let (from, to) = if gain < 0.0 {
+            (upper, lower)
+        } else {
+            (lower, upper)
+        };
         let through: Vec<Vec<f64>> = (0..=4)
             .map(|i| {
                 let mut q = posture.clone();
-                q[j] = ranges[j].lower + ranges[j].width() * f64::from(i) / 4.0;
+                q[j] = from + (to - from) * f64::from(i) / 4.0;
                 q
             })
             .collect();
-        tiles.push(tile(&through, &format!("{joint}: {}°", span(ranges[j])))?);
+        let shown = |x: f64| match robot.joint(j).kind {
+            JointKind::Revolute => format!("{}°", output::degrees(x)),
+            JointKind::Prismatic => format!("{x:.3} m"),
+        };
+        let caption = format!("{learned} grows: {joint} {} → {}", shown(from), shown(to));
+        tiles.push(tile(&through, &caption)?);
     }
     Image::tiled(&tiles, COLUMNS)
 }

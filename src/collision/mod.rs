@@ -169,7 +169,7 @@ impl CollisionModel {
         &self.pairs
     }
 
-    /// The first pair that touches or overlaps at configuration `q`, if any.
+    /// The first pair that touches or overlaps at configuration `q`, if any. Panics when `q` has not one entry a joint.
     pub fn collision(&self, robot: &Robot, q: &[f64]) -> Option<&Pair> {
         let poses = robot.body_poses(q);
         self.checked().find(|pair| {
@@ -188,6 +188,7 @@ impl CollisionModel {
     }
 
     /// The smallest distance between checked bodies at configuration `q`; `None` when no pair is checked.
+    /// Panics when `q` has not one entry a joint.
     pub fn clearance(&self, robot: &Robot, q: &[f64]) -> Option<Clearance> {
         self.nearest(&robot.body_poses(q), f64::INFINITY)
             .map(|(distance, pair)| Clearance {

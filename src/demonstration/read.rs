@@ -118,13 +118,25 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
             .expected(format!("a header `{TIME},joint,..` and one row a sample")));
     }
     let columns: Vec<&str> = header.iter().collect();
+    if let [only] = columns.as_slice()
+        && let Some(separator) = [';', '\t'].into_iter().find(|s| only.contains(*s))
+    {
+        return Err(Error::new(
+            ErrorKind::Syntax,
+            format!("columns are separated by {separator:?}"),
+        )
+        .expected("commas between columns and points in numbers")
+        .at("line 1"));
+    }
     let find = |wanted: &str| {
         let mut found = columns.iter().enumerate().filter(|(_, c)| **c == wanted);
         match (found.next(), found.next()) {
             (Some((i, _)), None) => Ok(i),
-            (None, _) => Err(Error::new(ErrorKind::Name, format!("no column `{wanted}`"))
-                .expected(format!("one of {}", listed(&columns)))
-                .at("line 1")),
+            (None, _) => Err(Error::new(
+                ErrorKind::Name,
+                format!("no column `{wanted}` among {}", listed(&columns)),
+            )
+            .at("line 1")),
             (Some(_), Some(_)) => {
                 Err(Error::new(ErrorKind::Name, format!("two columns `{wanted}`")).at("line 1"))
             }
@@ -273,7 +285,7 @@ mod tests {
             ),
             ("time_s,a\n0,1,2\n", "r.csv, line 2: 3 fields, expected 2"),
             ("time_s,a,a\n0,1,2\n", "two columns `a`"),
-            ("time_s;a\n0;1\n", "no column `time_s`"),
+            ("time_s;a\n0;1\n", "columns are separated by ';'"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(places), "{text:?} got: {error}");

@@ -80,6 +80,10 @@ pub(super) fn cut(
         }
         Duration::Auto => (best_period(&candidates), FEWEST_CYCLES),
     };
+    let slowest_rate = candidates
+        .iter()
+        .map(|c| c.recording.span() / (c.recording.times.len() - 1) as f64)
+        .fold(0.0, f64::max);
     let mut kept = Vec::new();
     let mut left_out = Vec::new();
     for candidate in candidates {
@@ -92,21 +96,28 @@ pub(super) fn cut(
         }
     }
     if kept.len() < 2 {
+        // No wave is seen at a sample every half second.
+        let coarse = slowest_rate > 0.5;
         let reasons: Vec<String> = left_out
             .iter()
             .take(5)
-            .map(|l| format!("{} {}", l.name, l.reason))
+            .map(|l| format!("; {} {}", l.name, l.reason))
             .collect();
         return Err(Error::new(
             ErrorKind::Infeasible,
             format!(
-                "{} recordings can be used for a period of {period:.3} s ({})",
+                "only {} of {} recordings can be used for a period of {period:.3} s{}",
                 kept.len(),
-                reasons.join("; ")
+                kept.len() + left_out.len(),
+                reasons.join("")
             ),
         )
         .expected("at least two")
-        .help("give longer recordings of the same gesture, or a shorter --duration"));
+        .help(if coarse {
+            "are the times in milliseconds? `time_s` is seconds"
+        } else {
+            "give longer recordings of the same gesture, or a shorter --duration"
+        }));
     }
     Ok((period, kept, left_out))
 }

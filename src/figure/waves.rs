@@ -30,7 +30,15 @@ pub fn spectra(
     let mut plots = Vec::new();
     // One scale for all panels, so that they can be compared.
     let mut highest: f64 = 0.0;
-    for (joint, title) in joints {
+    for (panel, (joint, title)) in joints.iter().enumerate() {
+        // One legend, in the first panel, is for all.
+        let label = |text: &str| {
+            if panel == 0 {
+                text.to_owned()
+            } else {
+                String::new()
+            }
+        };
         let mut series = Vec::new();
         for (i, wave) in demonstrations.iter().enumerate() {
             let d = wave.joints().index(joint)?;
@@ -40,7 +48,7 @@ pub fn spectra(
             highest = points.iter().fold(highest, |h, p| h.max(p.1));
             series.push(Series {
                 label: if i == 0 {
-                    "demonstrations".into()
+                    label("demonstrations")
                 } else {
                     String::new()
                 },
@@ -69,7 +77,7 @@ pub fn spectra(
                 mark: Mark::Band { lower, upper },
             });
             lines.push(Series {
-                label: labelled.label.into(),
+                label: label(labelled.label),
                 color: labelled.color,
                 mark: Mark::Line {
                     points: median,
@@ -105,7 +113,7 @@ pub fn trajectories(
 ) -> Result<Picture> {
     const POINTS: usize = 600;
     let mut plots = Vec::new();
-    for (joint, title) in joints {
+    for (panel, (joint, title)) in joints.iter().enumerate() {
         let mut series = Vec::new();
         for (label, color, wave) in waves {
             let d = wave.joints().index(joint)?;
@@ -117,7 +125,11 @@ pub fn trajectories(
                 .zip(positions.column(d).iter().map(|y| y.to_degrees()))
                 .collect();
             series.push(Series {
-                label: (*label).into(),
+                label: if panel == 0 {
+                    (*label).into()
+                } else {
+                    String::new()
+                },
                 color: *color,
                 mark: Mark::Line { points, width: 2 },
             });

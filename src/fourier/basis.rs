@@ -79,7 +79,8 @@ impl FourierBasis {
         self.harmonics
     }
 
-    /// The least-squares wave through `samples` (N x D, rad) at `times` (N, s, from 0 to T).
+    /// The least-squares wave through `samples` (N x D, rad) at `times` (N, s; usually from 0 to T, and otherwise
+    /// taken modulo T, since the wave is periodic).
     ///
     /// # Errors
     /// When the sizes do not fit, there are too few samples for K harmonics, or the times leave the system without

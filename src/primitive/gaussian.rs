@@ -176,6 +176,24 @@ impl Gaussian {
         Ok(posterior)
     }
 
+    /// The Mahalanobis distance of the values from the mean, in the marginal of their coordinates:
+    /// sqrt((b - A mu)^T (A Sigma A^T)^+ (b - A mu)). Values that are certain already add nothing.
+    pub(super) fn mahalanobis(&self, values: &[(usize, f64)]) -> f64 {
+        let rows: Vec<usize> = values.iter().map(|v| v.0).collect();
+        let marginal = self.factor.select_rows(&rows);
+        let deviation =
+            DVector::from_iterator(rows.len(), values.iter().map(|(i, b)| b - self.mean[*i]));
+        if rows.is_empty() || self.rank() == 0 {
+            return 0.0;
+        }
+        let least = NO_VARIANCE.max(DEPENDENT * marginal.norm());
+        // The shortest latent vector that leads there.
+        marginal
+            .svd(true, true)
+            .solve(&deviation, least)
+            .map_or(0.0, |z| z.norm())
+    }
+
     fn fix(&mut self, i: usize, value: f64) {
         let row = self.factor.row(i).transpose();
         let norm = row.norm();

@@ -119,7 +119,55 @@ impl FourierMovementPrimitive {
     /// When a coordinate does not exist, a value is no value of its quantity, or it contradicts what is certain already:
     /// other observations, or, at rank M - 1, the demonstrations themselves.
     pub fn condition(&self, observations: &[Observation]) -> Result<Self> {
-        let rows = observations
+        let rows = self.rows(observations)?;
+        for (i, row) in rows.iter().enumerate() {
+            if rows[..i]
+                .iter()
+                .any(|other| other.0 == row.0 && other.1 != row.1)
+            {
+                return Err(Error::new(
+                    ErrorKind::Infeasible,
+                    "given twice, with different values",
+                )
+                .at(format!("condition {}", observations[i].coordinate)));
+            }
+        }
+        let gaussian = self.gaussian.condition(&rows).map_err(|c| {
+            let observation = &observations[c.observation];
+            let certain = observation.coordinate.value(c.certain);
+            Error::new(
+                ErrorKind::Infeasible,
+                format!(
+                    "{:.4} deg contradicts what is certain already, {:.4} deg (a difference of {:.3e} rad)",
+                    observation.value.to_degrees(),
+                    certain.to_degrees(),
+                    observation.value - certain
+                ),
+            )
+            .expected("a value that the other conditions and the demonstrations leave open")
+            .help(format!(
+                "the model varies in {} directions (demonstrations less one, less earlier conditions), this coordinate by a standard deviation of {:.3e}: drop a condition, or learn from more demonstrations",
+                self.gaussian.rank(),
+                c.prior_deviation
+            ))
+            .at(format!("condition {}", observation.coordinate))
+        })?;
+        Self::new(self.chart.clone(), gaussian)
+    }
+
+    /// How far the values lie from the mean of the primitive, in standard deviations (Mahalanobis distance of the observed
+    /// coordinates together). Log moduli extrapolate exponentially: far beyond 3 for one value, or 3 sqrt(m) for m of
+    /// them, what the rest of the wave becomes is no longer what the demonstrations showed.
+    ///
+    /// # Errors
+    /// When a coordinate does not exist or a value is no value of its quantity.
+    pub fn mahalanobis(&self, observations: &[Observation]) -> Result<f64> {
+        Ok(self.gaussian.mahalanobis(&self.rows(observations)?))
+    }
+
+    /// Index and charted value of each observation.
+    fn rows(&self, observations: &[Observation]) -> Result<Vec<(usize, f64)>> {
+        observations
             .iter()
             .map(|o| {
                 let index = self.chart.index(&o.coordinate);
@@ -134,27 +182,7 @@ impl FourierMovementPrimitive {
                 }
                 Ok((index, value))
             })
-            .collect::<Result<Vec<_>>>()?;
-        let gaussian = self.gaussian.condition(&rows).map_err(|c| {
-            let observation = &observations[c.observation];
-            let certain = observation.coordinate.value(c.certain);
-            Error::new(
-                ErrorKind::Infeasible,
-                format!(
-                    "{:.6} rad contradicts what is certain, {certain:.6} rad (a difference of {:.3e} rad)",
-                    observation.value,
-                    observation.value - certain
-                ),
-            )
-            .expected("a value that the other conditions and the demonstrations leave open")
-            .help(format!(
-                "the model varies in {} directions (demonstrations less one, less earlier conditions), this coordinate by a standard deviation of {:.3e}: drop a condition, or learn from more demonstrations",
-                self.gaussian.rank(),
-                c.prior_deviation
-            ))
-            .at(format!("condition {}", observation.coordinate))
-        })?;
-        Self::new(self.chart.clone(), gaussian)
+            .collect()
     }
 
     /// exp(mu) of |w_{d,k}| \[rad\]: the median modulus.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::units::parse_angle;
+use crate::units::parse_angle_with_unit;
 
 /// One coordinate of a wave, by name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -50,7 +50,7 @@ impl fmt::Display for Coordinate {
 
 /// A coordinate and the value it is to have, exactly.
 ///
-/// As text: `modulus:elbow:10=5deg`, `phase:elbow:10=-0.5rad`, `offset:wrist=10deg`; a number without a unit is radians.
+/// As text, always with a unit: `modulus:elbow:10=5deg`, `phase:elbow:10=-0.5rad`, `offset:wrist=10deg`.
 ///
 /// ```
 /// use undulate::{Coordinate, Observation};
@@ -147,7 +147,7 @@ fn parse(text: &str) -> Result<Observation> {
     let (quantity, rest) = address
         .split_once(':')
         .ok_or_else(|| malformed("no `:` after the quantity".into()))?;
-    let value = parse_angle(value)?;
+    let value = parse_angle_with_unit(value)?;
     let harmonic = || {
         let (joint, k) = rest
             .rsplit_once(':')
@@ -174,13 +174,13 @@ mod tests {
     #[test]
     fn text_is_read_and_written() {
         for text in [
-            "modulus:a:b:10=0.25",
-            "phase:elbow:3=-1",
-            "offset:wrist=0.5",
+            "modulus:a:b:10=0.25rad",
+            "phase:elbow:3=-1rad",
+            "offset:wrist=0.5rad",
         ] {
             let observation: Observation = text.parse().unwrap();
             assert_eq!(
-                format!("{}={}", observation.coordinate, observation.value),
+                format!("{}={}rad", observation.coordinate, observation.value),
                 text
             );
         }
@@ -197,6 +197,7 @@ mod tests {
             "size:elbow:1=1",
             "modulus:elbow:x=1",
             "modulus:elbow:1=5grad",
+            "modulus:elbow:1=5",
             "modulus:elbow:1=NaN",
             "modulus:elbow:-1=1",
         ] {

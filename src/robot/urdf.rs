@@ -235,6 +235,48 @@ mod tests {
     }
 
     #[test]
+    fn elements_are_no_back_door_for_attributes() {
+        let limit = r#"<limit velocity="2"><lower>-9</lower><upper>nan</upper></limit>"#;
+        let origin = format!(r#"<origin><xyz>nan 0 0</xyz></origin>{LIMIT}"#);
+        let twice = format!(r#"{LIMIT}<limit lower="-9" upper="9" velocity="2"/>"#);
+        let far = format!(r#"<origin xyz="1.5e308 0 0"/>{LIMIT}"#);
+        let long = format!(r#"<axis xyz="0 1e200 0"/>{LIMIT}"#);
+        for (joint, message) in [
+            (limit, "<limit> with elements inside"),
+            (&origin, "<origin> with elements inside"),
+            (&twice, "a second <limit>"),
+            (&far, "numbers within"),
+            (&long, "numbers within"),
+        ] {
+            let error = Robot::from_urdf(&arm("", joint, "revolute", ""))
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains(message),
+                "expected `{message}`, got: {error}"
+            );
+        }
+        let visual =
+            r#"<visual><origin xyz="nan 0 0"/><geometry><sphere radius="1"/></geometry></visual>"#;
+        assert!(Robot::from_urdf(&arm(visual, LIMIT, "revolute", "")).is_err());
+    }
+
+    #[test]
+    fn position_limits_of_zero_hold() {
+        let text = arm("", r#"<limit velocity="1"/>"#, "revolute", "");
+        let robot = Robot::from_urdf(&text).unwrap();
+        assert_eq!(
+            robot.properties(0).position.map(|p| (p.lower, p.upper)),
+            Some((0.0, 0.0))
+        );
+        assert!(
+            robot.notes().iter().any(|n| n.contains("may not move")),
+            "{:?}",
+            robot.notes()
+        );
+    }
+
+    #[test]
     fn leftovers_in_attributes_that_are_not_read_do_no_harm() {
         let text = arm(
             "",

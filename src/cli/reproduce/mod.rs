@@ -23,7 +23,6 @@ use crate::shipped;
 
 const ELBOW: &str = "elbow_flexion";
 const WRIST: &str = "wrist_deviation";
-const PANELS: [(&str, &str); 2] = [(ELBOW, "elbow flexion"), (WRIST, "wrist deviation")];
 const HARMONICS: usize = 25;
 
 /// Learn, condition, sample, check and execute the paper's waves; draw its figures.

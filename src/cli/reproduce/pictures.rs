@@ -1,7 +1,7 @@
 //! The paper's figures, from what was learned and executed.
 
-use super::PANELS;
 use super::case::Case;
+use super::{ELBOW, WRIST};
 use crate::error::Result;
 use crate::figure::{Color, Image, Labelled, Picture, Poses, spectra, trajectories};
 use crate::fourier::Wave;
@@ -32,7 +32,13 @@ pub(super) fn figure1(
             of("elbow |w₁₀| = 5°", Color::BLUE, &elbow.primitive),
             of("wrist |w₂₀| = 4°", Color::VERMILION, &wrist.primitive),
         ],
-        &PANELS,
+        &[
+            (
+                ELBOW,
+                "elbow flexion: median and ±1 standard deviation of ln |wₖ|",
+            ),
+            (WRIST, "wrist deviation"),
+        ],
         (1400, 520),
     )
 }
@@ -41,10 +47,13 @@ pub(super) fn figure1(
 pub(super) fn figure2(case: &Case) -> Result<Picture> {
     trajectories(
         &[
-            ("first sample", Color::BLUE, &case.waves[0]),
-            ("second sample", Color::VERMILION, &case.waves[1]),
+            ("a sample", Color::GREEN, &case.waves[0]),
+            ("another", Color::PURPLE, &case.waves[1]),
         ],
-        &PANELS,
+        &[
+            (ELBOW, "elbow flexion, given |w₁₀| = 5° of the elbow"),
+            (WRIST, "wrist deviation, given the same"),
+        ],
         (1400, 800),
     )
 }
