@@ -200,7 +200,7 @@ fn picture(robot: &Robot, map: &JointMap, wave: &Wave, ranges: &[Interval]) -> R
             JointKind::Revolute => format!("{}°", output::degrees(x)),
             JointKind::Prismatic => format!("{x:.3} m"),
         };
-        let caption = format!("{learned} grows: {joint} {} → {}", shown(from), shown(to));
+        let caption = format!("{learned} grows: {joint} {} to {}", shown(from), shown(to));
         tiles.push(tile(&through, &caption)?);
     }
     Image::tiled(&tiles, COLUMNS)
