@@ -1,0 +1,233 @@
+//! Links and joints: what each must say.
+
+use std::collections::HashSet;
+
+use roxmltree::Node;
+
+use super::xml::{Names, Xml};
+use crate::error::{Error, ErrorKind, Result};
+
+/// Elements whose content is their attributes. The parser behind this would take a child element for an attribute of the
+/// same name, past all checks here.
+const LEAVES: [&str; 14] = [
+    "origin", "axis", "limit", "dynamics", "mimic", "mass", "inertia", "parent", "child", "box",
+    "sphere", "cylinder", "capsule", "mesh",
+];
+
+impl<'a> Xml<'a> {
+    /// Below a link or joint, leaves have no children, and elements that are read once are there once. What others have
+    /// put there (sensors, simulators' settings) is not looked at.
+    fn structure(&self, node: Node<'a, 'a>) -> Result<()> {
+        let mut open = vec![node];
+        while let Some(element) = open.pop() {
+            let mut seen = HashSet::new();
+            for child in element.children().filter(Node::is_element) {
+                let tag = child.tag_name().name();
+                let is_leaf = LEAVES.contains(&tag);
+                if is_leaf && child.children().any(|c| c.is_element()) {
+                    return Err(self
+                        .refuse(child, format!("<{tag}> with elements inside"))
+                        .expected("its values as attributes"));
+                }
+                let once = is_leaf || ["inertial", "geometry"].contains(&tag);
+                if once && !seen.insert(tag) {
+                    return Err(self
+                        .refuse(child, format!("a second <{tag}>"))
+                        .expected("one"));
+                }
+                if ["inertial", "visual", "collision", "geometry"].contains(&tag) {
+                    open.push(child);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn link(&self, node: Node<'a, 'a>) -> Result<()> {
+        self.structure(node)?;
+        if let Some(inertial) = self.child(node, "inertial") {
+            self.origin(inertial)?;
+            let part = |tag: &str| {
+                self.child(inertial, tag)
+                    .ok_or_else(|| self.refuse(inertial, format!("<inertial> without <{tag}>")))
+            };
+            self.number(part("mass")?, "value")?;
+            let inertia = part("inertia")?;
+            for attribute in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"] {
+                self.number(inertia, attribute)?;
+            }
+        }
+        let is_solid = |n: &Node| n.has_tag_name("collision") || n.has_tag_name("visual");
+        for solid in node.children().filter(is_solid) {
+            self.origin(solid)?;
+            self.geometry(solid)?;
+        }
+        Ok(())
+    }
+
+    fn geometry(&self, solid: Node<'a, 'a>) -> Result<()> {
+        let shape = self
+            .child(solid, "geometry")
+            .and_then(|g| g.children().find(Node::is_element))
+            .ok_or_else(|| {
+                self.refuse(
+                    solid,
+                    format!(
+                        "<{}> without a shape in its <geometry>",
+                        solid.tag_name().name()
+                    ),
+                )
+            })?;
+        match shape.tag_name().name() {
+            "box" => self.positive(shape, "size", 3),
+            "sphere" => self.positive(shape, "radius", 1),
+            "cylinder" | "capsule" => {
+                self.positive(shape, "radius", 1)?;
+                self.positive(shape, "length", 1)
+            }
+            "mesh" => {
+                self.text(shape, "filename")?;
+                if shape.has_attribute("scale") {
+                    self.numbers(shape, "scale", 3)?;
+                }
+                Ok(())
+            }
+            other => Err(self
+                .refuse(shape, format!("shape <{other}>"))
+                .expected("box, sphere, cylinder, capsule or mesh")),
+        }
+    }
+
+    pub(super) fn joint(
+        &self,
+        node: Node<'a, 'a>,
+        links: &Names,
+        joints: &Names<'a>,
+    ) -> Result<()> {
+        self.structure(node)?;
+        let kind = self.text(node, "type")?;
+        let moves = match kind {
+            "fixed" => false,
+            "revolute" | "continuous" | "prismatic" => true,
+            "floating" | "planar" | "spherical" => {
+                return Err(
+                    Error::new(ErrorKind::Unsupported, format!("a {kind} joint"))
+                        .expected("revolute, continuous, prismatic or fixed")
+                        .help("replace it by joints of one degree of freedom")
+                        .at(self.line(node)),
+                );
+            }
+            _ => {
+                return Err(self
+                    .refuse(node, format!("joint type `{kind}`"))
+                    .expected("revolute, continuous, prismatic or fixed"));
+            }
+        };
+        self.origin(node)?;
+        for end in ["parent", "child"] {
+            let element = self
+                .child(node, end)
+                .ok_or_else(|| self.refuse(node, format!("joint without <{end}>")))?;
+            let link = self.text(element, "link")?;
+            if !links.contains_key(link) {
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("no link `{link}` to be its {end}"),
+                )
+                .help("add the link or correct the name")
+                .at(self.line(element)));
+            }
+        }
+        if !moves {
+            return Ok(());
+        }
+        if let Some(axis) = self.child(node, "axis") {
+            let axis_vector = self.numbers(axis, "xyz", 3)?;
+            if axis_vector.iter().map(|x| x * x).sum::<f64>().sqrt() < 1e-9 {
+                return Err(self
+                    .refuse(axis, "an axis of length zero")
+                    .expected("a direction"));
+            }
+        }
+        self.limit(node, kind)?;
+        if let Some(dynamics) = self.child(node, "dynamics") {
+            for attribute in ["damping", "friction"] {
+                if self
+                    .optional_number(dynamics, attribute)?
+                    .is_some_and(|x| x < 0.0)
+                {
+                    return Err(self
+                        .refuse(dynamics, format!("negative {attribute}"))
+                        .expected("zero or more"));
+                }
+            }
+        }
+        self.mimic(node, joints)
+    }
+
+    fn limit(&self, node: Node<'a, 'a>, kind: &str) -> Result<()> {
+        let Some(limit) = self.child(node, "limit") else {
+            return if kind == "continuous" {
+                Ok(())
+            } else {
+                Err(self
+                    .refuse(node, format!("a {kind} joint without <limit>"))
+                    .help("add <limit lower=.. upper=.. velocity=.. effort=..>"))
+            };
+        };
+        let lower = self.optional_limit(limit, "lower")?.unwrap_or(0.0);
+        let upper = self.optional_limit(limit, "upper")?.unwrap_or(0.0);
+        if lower > upper {
+            return Err(self
+                .refuse(
+                    limit,
+                    format!("lower limit {lower} above upper limit {upper}"),
+                )
+                .help("exchange them"));
+        }
+        if !limit.has_attribute("velocity") {
+            return Err(self
+                .refuse(limit, "<limit> without `velocity`")
+                .expected("a speed, or 0 for not given"));
+        }
+        for attribute in ["velocity", "effort"] {
+            if self
+                .optional_limit(limit, attribute)?
+                .is_some_and(|x| x < 0.0)
+            {
+                return Err(self
+                    .refuse(limit, format!("negative {attribute} limit"))
+                    .expected("a positive number, or 0 for not given"));
+            }
+        }
+        Ok(())
+    }
+
+    fn mimic(&self, node: Node<'a, 'a>, joints: &Names<'a>) -> Result<()> {
+        let mut at = node;
+        let mut seen = HashSet::from([node.id()]);
+        while let Some(mimic) = self.child(at, "mimic") {
+            let leader = self.text(mimic, "joint")?;
+            if self.optional_number(mimic, "multiplier")? == Some(0.0) {
+                return Err(self
+                    .refuse(mimic, "a mimic with multiplier 0 never moves")
+                    .help("make the joint fixed"));
+            }
+            self.optional_number(mimic, "offset")?;
+            let Some(leader_node) = joints.get(leader).copied() else {
+                return Err(
+                    Error::new(ErrorKind::Name, format!("no joint `{leader}` to mimic"))
+                        .at(self.line(mimic)),
+                );
+            };
+            if !seen.insert(leader_node.id()) {
+                return Err(self.refuse(mimic, format!("mimic of `{leader}` comes back to itself")));
+            }
+            if leader_node.attribute("type") == Some("fixed") {
+                return Err(self.refuse(mimic, format!("mimic of the fixed joint `{leader}`")));
+            }
+            at = leader_node;
+        }
+        Ok(())
+    }
+}
