@@ -267,7 +267,6 @@ fn no_build_needs_a_c_compiler() {
         .args([
             "tree",
             "--locked",
-            "--offline",
             "--all-features",
             "--edges",
             "all",
