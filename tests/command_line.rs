@@ -160,6 +160,29 @@ fn from_the_demonstrator_to_the_robot() {
     }
     let rollout = text(&read("rollout.csv"));
     assert!(rollout.starts_with("time_s,shoulder_pitch.reference_rad,shoulder_pitch.position_rad"));
+    // With a robot, what it cannot do is drawn again.
+    let gated = json(
+        at,
+        &[
+            "sample",
+            "model.json",
+            "--seed",
+            "5",
+            "-n",
+            "8",
+            "--robot",
+            "wave_arm",
+            "-o",
+            "gated",
+        ],
+    );
+    assert!(gated["draws"].as_u64().unwrap() >= 8);
+    for wave in gated["waves"].as_array().unwrap() {
+        done(
+            at,
+            &["check", wave.as_str().unwrap(), "--robot", "wave_arm"],
+        );
+    }
     // A drawn wave is a recording again.
     done(
         at,

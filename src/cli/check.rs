@@ -15,6 +15,9 @@ use crate::feasibility::{LimitUse, Verdict, limits};
 use crate::fourier::Derivative;
 use crate::robot::JointKind;
 
+/// The largest distance \[m\] that a link moves between two samples, unless the user says otherwise.
+pub(super) const STEP: f64 = 0.002;
+
 /// Check a wave on a robot: position and velocity limits, self-collision.
 #[derive(Args)]
 #[command(

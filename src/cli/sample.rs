@@ -6,10 +6,19 @@ use clap::Args;
 use rand::distr::Distribution;
 use serde_json::json;
 
+use super::check::STEP;
+use super::robot::{RobotArguments, tell_notes};
 use super::{Outcome, output, read_model};
+use crate::collision::CollisionModel;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Derivative, PeriodGrid, Wave};
+use crate::feasibility::Verdict;
+use crate::fourier::{Derivative, Joints, PeriodGrid, Wave};
 use crate::primitive::{Observation, stream};
+use crate::retarget::JointMap;
+use crate::robot::Robot;
+
+/// Draws a wave after which the check is thought hopeless.
+const MOST_DRAWS: u64 = 1000;
 
 /// No table is longer.
 const MOST_ROWS: f64 = 1e6;
@@ -19,7 +28,7 @@ const MOST_ROWS: f64 = 1e6;
 #[command(
     after_help = "Sample number i of a seed is the same wave on every machine, however many are drawn.\n\n\
     Examples:\n  \
-    undulate sample model.json --seed 7 -o wave.json\n  \
+    undulate sample model.json --seed 7 --robot wave_arm -o wave.json\n  \
     undulate sample model.json -n 20 --seed 7 --given modulus:elbow_flexion:10=5deg --csv 100 -o waves/"
 )]
 pub(super) struct Arguments {
@@ -34,6 +43,12 @@ pub(super) struct Arguments {
     /// Number of the first sample.
     #[arg(long, value_name = "INDEX", default_value_t = 0)]
     first: u64,
+    /// Keep only waves that pass `undulate check` on this robot (a URDF file, or the name of a shipped one).
+    #[arg(long, value_name = "URDF|NAME")]
+    robot: Option<String>,
+    /// The joint map for --robot, as in `undulate check`.
+    #[arg(long, value_name = "TOML|NAME", requires = "robot")]
+    map: Option<String>,
     /// A condition as in `undulate condition`; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     given: Vec<Observation>,
@@ -66,14 +81,41 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         rate => rate,
     };
     let primitive = read_model(&arguments.model)?.condition(&arguments.given)?;
+    let gate = match &arguments.robot {
+        Some(robot) => {
+            let (robot, map) = (robot.clone(), arguments.map.clone());
+            Some(Gate::new(
+                &RobotArguments { robot, map },
+                primitive.chart().joints(),
+            )?)
+        }
+        None => None,
+    };
     let bar = output::progress(arguments.count, "drawing waves");
     let mut files = Vec::new();
-    for i in 0..arguments.count {
+    let mut draws = 0;
+    while (files.len() as u64) < arguments.count {
+        if draws >= MOST_DRAWS.saturating_mul(arguments.count) {
+            return Err(Error::new(
+                ErrorKind::Infeasible,
+                format!("{} of {draws} draws pass the check", files.len()),
+            )
+            .expected(format!("{} waves", arguments.count))
+            .help(
+                "look at one with `undulate check`; condition on smaller moduli or another posture",
+            ));
+        }
         let index = arguments
             .first
-            .checked_add(i)
+            .checked_add(draws)
             .ok_or_else(|| Error::new(ErrorKind::Setting, "--first is too large"))?;
+        draws += 1;
         let wave = primitive.sample(&mut stream(arguments.seed, index));
+        if let Some(gate) = &gate
+            && !gate.passes(&wave)?
+        {
+            continue;
+        }
         let path = if is_file {
             arguments.output.clone()
         } else {
@@ -81,26 +123,60 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         };
         output::write(&path, wave.to_json().as_bytes())?;
         if let Some(rate) = rows {
-            output::write(
-                &path.with_extension("csv"),
-                table(&wave, rate, &path)?.as_bytes(),
-            )?;
+            let table = table(&wave, rate, &path)?;
+            output::write(&path.with_extension("csv"), table.as_bytes())?;
         }
         files.push(path);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let value =
-        json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "waves": files});
-    output::report(json, &value, || match files.as_slice() {
-        [one] => format!("wrote {}", one.display()),
-        _ => format!(
-            "wrote {} waves into {}",
-            files.len(),
-            arguments.output.display()
-        ),
+    let value = json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "draws": draws, "waves": files});
+    output::report(json, &value, || {
+        let mut text = match files.as_slice() {
+            [one] => format!("wrote {}", one.display()),
+            _ => format!(
+                "wrote {} waves into {}",
+                files.len(),
+                arguments.output.display()
+            ),
+        };
+        if rows.is_some() {
+            text.push_str(", and a table beside each");
+        }
+        if gate.is_some() {
+            text.push_str(&format!(
+                "; {} of {draws} draws pass the check",
+                files.len()
+            ));
+        }
+        text
     });
     Ok(Outcome::Done)
+}
+
+/// The check that waves must pass.
+struct Gate {
+    robot: Robot,
+    map: JointMap,
+    collision: CollisionModel,
+}
+
+impl Gate {
+    fn new(arguments: &RobotArguments, learned: &Joints) -> Result<Self> {
+        let (robot, map) = arguments.load(learned)?;
+        tell_notes(&robot);
+        let collision = CollisionModel::new(&robot, &[])?;
+        Ok(Self {
+            robot,
+            map,
+            collision,
+        })
+    }
+
+    fn passes(&self, wave: &Wave) -> Result<bool> {
+        let wave = self.map.apply(wave, &self.robot)?;
+        Ok(Verdict::of(&self.robot, &self.collision, &wave, STEP)?.passes())
+    }
 }
 
 fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {

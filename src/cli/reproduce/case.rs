@@ -2,6 +2,7 @@
 
 use rand::distr::Distribution;
 
+use crate::cli::check::STEP;
 use crate::collision::CollisionModel;
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
@@ -11,8 +12,6 @@ use crate::retarget::JointMap;
 use crate::robot::Robot;
 use crate::simulation::{Rollout, TrackOptions, track};
 
-/// No link moves farther between two samples of the collision check \[m\].
-const STEP: f64 = 0.002;
 /// Draws after which a condition is given up.
 const MOST_DRAWS: u64 = 1000;
 
