@@ -56,7 +56,7 @@ const PARTS: [Part; JOINTS.len()] = [
     Part { offset: 70.0, offset_spread: 4.0, slow: 2.4, fast: 1.2, lag: 0.9 },
     Part { offset: -78.0, offset_spread: 5.0, slow: 4.0, fast: 1.6, lag: -0.7 },
     Part { offset: 110.0, offset_spread: 5.0, slow: 13.0, fast: 2.2, lag: 0.0 },
-    Part { offset: 0.0, offset_spread: 3.0, slow: 12.0, fast: 10.5, lag: 0.5 },
+    Part { offset: 0.0, offset_spread: 3.0, slow: 11.4, fast: 10.5, lag: 0.5 },
 ];
 
 /// Fifteen demonstrations of waving, five joints, 20/3 s, 500 samples each; from slow waves that the elbow drives
