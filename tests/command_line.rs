@@ -524,6 +524,30 @@ fn bad_models_waves_and_robots_are_named() {
     assert!(!at.join("x.json").exists());
 }
 
+#[cfg(unix)]
+#[test]
+fn links_are_followed_and_what_is_no_file_stays_what_it_is() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("target.json"), "old").unwrap();
+    symlink("target.json", at.join("link.json")).unwrap();
+    done(at, &["learn", "-o", "link.json"]);
+    assert!(
+        std::fs::symlink_metadata(at.join("link.json"))
+            .unwrap()
+            .is_symlink()
+    );
+    let written = std::fs::read_to_string(at.join("target.json")).unwrap();
+    assert!(written.starts_with("{\"format\":\"undulate model\""));
+    // A device is written to, not replaced; through a link of ours, lest a failure cost the machine its own.
+    symlink("/dev/null", at.join("null.json")).unwrap();
+    done(at, &["learn", "-o", "null.json"]);
+    let device = std::fs::metadata(at.join("null.json")).unwrap();
+    assert!(device.file_type().is_char_device());
+    assert_eq!(files(at), ["link.json", "null.json", "target.json"]);
+}
+
 #[test]
 fn every_verb_has_help_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
