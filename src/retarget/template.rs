@@ -22,12 +22,16 @@ impl JointMap {
         );
         for (i, joint) in robot.joints().iter().enumerate() {
             let properties = robot.properties(i);
-            let (unit, scale) = match robot.joint(i).kind {
-                JointKind::Revolute => ("deg", 1f64.to_degrees()),
-                JointKind::Prismatic => ("m", 1.0),
+            let (unit, scale, digits) = match robot.joint(i).kind {
+                JointKind::Revolute => ("deg", 1f64.to_degrees(), 1),
+                JointKind::Prismatic => ("m", 1.0, 4),
             };
             let range = properties.position.map_or("no limits".to_owned(), |p| {
-                format!("{:.4} to {:.4} {unit}", scale * p.lower, scale * p.upper)
+                format!(
+                    "{:.digits$} to {:.digits$} {unit}",
+                    scale * p.lower,
+                    scale * p.upper
+                )
             });
             let _ = write!(text, "\n[joints.{}]  # {range}\n", key(joint));
             match likely(joint, learned) {
