@@ -47,14 +47,3 @@ pub struct Solid {
     /// Its colour, red, green and blue from 0 to 1, where the file gives one.
     pub color: Option<[f32; 3]>,
 }
-
-impl Solid {
-    /// The same solid seen from the frame in which its body has the pose `body`.
-    #[must_use]
-    pub fn moved(&self, body: &Isometry3<f64>) -> Self {
-        Self {
-            pose: body * self.pose,
-            ..self.clone()
-        }
-    }
-}

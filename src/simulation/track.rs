@@ -20,13 +20,13 @@ const SATURATION: f64 = 0.999;
 /// How a wave is executed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackOptions {
-    /// Step of controller and simulation \[s\].
+    /// Step of controller and simulation \[s\]; 1 ms by default.
     pub time_step: f64,
-    /// How long \[s\]; one period of the wave when `None`.
+    /// How long \[s\]; one period of the wave when `None`, the default.
     pub duration: Option<f64>,
-    /// Natural frequency of each critically damped position loop \[Hz\].
+    /// Natural frequency of each critically damped position loop \[Hz\]; 12 by default.
     pub bandwidth: f64,
-    /// Whether the motors are fed the torque that the robot's model says the motion needs.
+    /// Whether the motors are fed the torque that the robot's model says the motion needs; yes by default.
     pub feed_forward: bool,
 }
 
@@ -47,13 +47,13 @@ impl Default for TrackOptions {
 /// Each motor is a spring and damper whose target is moved by tau / kp. The feed-forward tau is discrete-consistent: Rapier
 /// takes v' = v + a dt, q' = q + v' dt with M, C and g of (q, v) and damping of v', so tau is inverse dynamics at
 /// (q_n, (q_n - q_{n-1})/dt, second difference of q) plus the damping at (q_{n+1} - q_n)/dt, which is also the velocity
-/// target. Timing it by the derivatives of the wave instead costs a factor of ten in tracking error.
+/// target.
 ///
 /// ```
-/// use undulate::{JointMap, TrackOptions, Wave, shipped, track};
-/// # use nalgebra::{DMatrix, DVector};
+/// use undulate::nalgebra::{DMatrix, DVector};
+/// use undulate::{TrackOptions, Wave, shipped, track};
 ///
-/// let robot = shipped::robot("wave_arm").unwrap();
+/// let robot = shipped::robot("wave_arm")?;
 /// let still = Wave::new(robot.joints().clone(), 0.2, DVector::from_element(6, 0.3), DMatrix::zeros(6, 1))?;
 /// let rollout = track(&robot, &still, &TrackOptions::default())?;
 /// assert!(rollout.rms_error().max() < 1e-6);
