@@ -120,20 +120,6 @@ impl<B: DrawingBackend> Canvas<'_, B> {
             .map_err(failed)
     }
 
-    /// A filled disc of `radius` px.
-    pub(crate) fn disc(&mut self, centre: Spot, radius: f64, color: Color) -> Result<()> {
-        let style = ShapeStyle {
-            color: rgba(color),
-            filled: true,
-            stroke_width: 0,
-        };
-        let radius = (radius * self.scale).round().max(1.0) as u32;
-        let centre = self.spot(centre);
-        self.backend
-            .draw_circle(centre, radius, &style, true)
-            .map_err(failed)
-    }
-
     /// One line of text with its baseline at `spot`, reading upwards if `upwards`.
     pub(crate) fn text(
         &mut self,

@@ -33,14 +33,8 @@ pub(crate) fn layout(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result
         .map(|plot| {
             let marks = || plot.series.iter().map(|series| &series.mark);
             let points = || marks().flat_map(Mark::points);
-            let stems = marks().any(|mark| matches!(mark, Mark::Stems { .. }));
-            // The feet of the stems have to be in view too.
-            let feet = stems.then_some(0.0);
-            // Unlike a line, a dot on the very end would be cut in half.
-            let whole = |mark: &Mark| matches!(mark, Mark::Line { .. } | Mark::Band { .. });
-            let margin = if marks().all(whole) { 0.0 } else { 0.03 };
-            let x = Axis::new(plot.x_range, points().map(|(x, _)| x), margin, x_count)?;
-            let ys = points().map(|(_, y)| y).chain(feet);
+            let x = Axis::new(plot.x_range, points().map(|(x, _)| x), 0.0, x_count)?;
+            let ys = points().map(|(_, y)| y);
             Ok((x, Axis::new(plot.y_range, ys, 0.05, y_count)?))
         })
         .collect::<Result<Vec<_>>>()?;

@@ -38,16 +38,6 @@ impl Color {
     pub const VERMILION: Self = Self::new(213, 94, 0);
     /// Okabe-Ito reddish purple.
     pub const PURPLE: Self = Self::new(204, 121, 167);
-    /// The Okabe-Ito colours in the order in which curves should take them.
-    pub const CYCLE: [Self; 6] = [
-        Self::BLUE,
-        Self::VERMILION,
-        Self::GREEN,
-        Self::PURPLE,
-        Self::ORANGE,
-        Self::SKY,
-    ];
-
     /// Opaque colour from sRGB components, 0..=255 each.
     pub const fn new(red: u8, green: u8, blue: u8) -> Self {
         Self {

@@ -147,17 +147,6 @@ fn hidden(panel: &Panel<'_>, area: Area) -> f64 {
                     add(low, high, 0.1 * weight);
                 }
             }
-            Mark::Dots { points, .. } => {
-                panel
-                    .spots(points)
-                    .into_iter()
-                    .for_each(|spot| add(spot, spot, weight));
-            }
-            Mark::Stems { points, .. } => {
-                for &(x, y) in points {
-                    add(panel.spot((x, 0.0)), panel.spot((x, y)), weight);
-                }
-            }
         }
     }
     length
@@ -171,16 +160,10 @@ fn draw_entry<B: DrawingBackend>(
     canvas: &mut Canvas<'_, B>,
 ) -> Result<()> {
     let swatch = 1.7 * text;
-    let centre = (left + 0.5 * swatch, middle);
     let ends = [(left, middle), (left + swatch, middle)];
     let color = series.color;
     match &series.mark {
         Mark::Line { width, .. } => canvas.line(&ends, color, f64::from(*width))?,
-        Mark::Dots { radius, .. } => canvas.disc(centre, f64::from(*radius), color)?,
-        Mark::Stems { width, .. } => {
-            canvas.line(&ends, color, f64::from(*width))?;
-            canvas.disc(centre, 2.0 * f64::from(*width), color)?;
-        }
         Mark::Band { .. } => {
             let half = 0.3 * text;
             let area = Area {

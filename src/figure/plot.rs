@@ -53,26 +53,12 @@ pub enum Mark {
         /// Width, px.
         width: u32,
     },
-    /// Separate dots.
-    Dots {
-        /// Centres.
-        points: Vec<(f64, f64)>,
-        /// Radius, px.
-        radius: u32,
-    },
     /// The area between two polylines, filled with a fifth of the colour's opacity.
     Band {
         /// Vertices of the lower edge in order.
         lower: Vec<(f64, f64)>,
         /// Vertices of the upper edge in order; may differ in number from those of the lower.
         upper: Vec<(f64, f64)>,
-    },
-    /// Vertical lines from y = 0, each with a dot at its end.
-    Stems {
-        /// Ends of the stems.
-        points: Vec<(f64, f64)>,
-        /// Width of a line, px; the dot is as fitting.
-        width: u32,
     },
 }
 
@@ -81,9 +67,7 @@ impl Mark {
     pub(crate) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let (first, second): (&[_], &[_]) = match self {
             Self::Band { lower, upper } => (lower, upper),
-            Self::Line { points, .. } | Self::Dots { points, .. } | Self::Stems { points, .. } => {
-                (points, &[])
-            }
+            Self::Line { points, .. } => (points, &[]),
         };
         first.iter().chain(second).copied()
     }

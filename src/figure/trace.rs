@@ -56,33 +56,11 @@ pub(crate) fn draw_series<B: DrawingBackend>(
                 canvas.line(&piece, color, f64::from(*width))?;
             }
         }
-        Mark::Dots { points, radius } => {
-            for spot in panel
-                .spots(points)
-                .into_iter()
-                .filter(|&spot| panel.area.contains(spot))
-            {
-                canvas.disc(spot, f64::from(*radius), color)?;
-            }
-        }
         Mark::Band { lower, upper } => {
             let mut outline = panel.spots(lower);
             outline.extend(panel.spots(upper).into_iter().rev());
             let color = color.with_alpha(BAND * color.alpha);
             canvas.polygon(&clipped_polygon(outline, panel.area), color)?;
-        }
-        Mark::Stems { points, width } => {
-            let width = f64::from(*width);
-            for &(x, y) in points {
-                let ends = panel.spots(&[(x, 0.0), (x, y)]);
-                for piece in clipped_line(&ends, panel.area) {
-                    canvas.line(&piece, color, width)?;
-                }
-                let head = panel.spot((x, y));
-                if panel.area.contains(head) {
-                    canvas.disc(head, 2.0 * width, color)?;
-                }
-            }
         }
     }
     Ok(())
