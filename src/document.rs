@@ -4,9 +4,6 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::error::{Error, ErrorKind, Result};
 
-/// The version that is written; all from 1 to it are read.
-pub(crate) const VERSION: u64 = 1;
-
 /// What every document starts with.
 #[derive(Deserialize)]
 struct Header {
@@ -22,32 +19,39 @@ pub(crate) fn write<T: Serialize>(file: &T) -> String {
     text
 }
 
-/// Reads a document that must call itself `format`.
-pub(crate) fn read<T: DeserializeOwned>(text: &str, format: &str) -> Result<T> {
-    let syntax = |e: serde_json::Error| {
-        let what = if e.is_eof() {
-            "the file is cut short".to_owned()
-        } else {
-            e.to_string()
-        };
-        Error::new(ErrorKind::Syntax, what)
-            .expected(format!("an {format} file"))
-            .at(format!("line {}, column {}", e.line(), e.column()))
-    };
-    let header: Header = serde_json::from_str(text).map_err(syntax)?;
+/// The version of a document that must call itself `format`, from 1 to `latest`.
+pub(crate) fn version(text: &str, format: &str, latest: u64) -> Result<u64> {
+    let header: Header = serde_json::from_str(text).map_err(|e| syntax(&e, format))?;
     if header.format != format {
         return Err(
             Error::new(ErrorKind::Syntax, format!("format `{}`", header.format))
                 .expected(format!("`{format}`")),
         );
     }
-    if header.version == 0 || header.version > VERSION {
+    if header.version == 0 || header.version > latest {
         return Err(Error::new(
             ErrorKind::Unsupported,
             format!("version {}", header.version),
         )
-        .expected(format!("1 to {VERSION}"))
+        .expected(format!("1 to {latest}"))
         .help("the file was written by a later undulate: update, or write it again"));
     }
-    serde_json::from_str(text).map_err(syntax)
+    Ok(header.version)
+}
+
+/// Reads a document that must call itself `format`, of a version from 1 to `latest`.
+pub(crate) fn read<T: DeserializeOwned>(text: &str, format: &str, latest: u64) -> Result<T> {
+    version(text, format, latest)?;
+    serde_json::from_str(text).map_err(|e| syntax(&e, format))
+}
+
+fn syntax(e: &serde_json::Error, format: &str) -> Error {
+    let what = if e.is_eof() {
+        "the file is cut short".to_owned()
+    } else {
+        e.to_string()
+    };
+    Error::new(ErrorKind::Syntax, what)
+        .expected(format!("an {format} file"))
+        .at(format!("line {}, column {}", e.line(), e.column()))
 }

@@ -134,7 +134,9 @@ pub use fourier::{Derivative, FourierBasis, Interval, Joints, PeriodGrid, State,
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
 pub use primitive::{
-    Coordinate, FourierMovementPrimitive, Gaussian, LogPolar, Observation, stream,
+    Coordinate, Covariance, Estimator, FourierMovementPrimitive, Gaussian, Harmonic, HeldOut,
+    Kronecker, LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm,
+    Offsets, PhaseForm, Quantity, Start, stream,
 };
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};

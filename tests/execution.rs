@@ -2,8 +2,8 @@
 
 use rand::distr::Distribution;
 use undulate::{
-    CollisionModel, FourierMovementPrimitive, Observation, TrackOptions, Verdict, Wave, shipped,
-    stream, synthetic, track,
+    CollisionModel, FourierMovementPrimitive, LearnOptions, Observation, TrackOptions, Verdict,
+    Wave, shipped, stream, synthetic, track,
 };
 
 /// No link moves farther between two samples of a collision check \[m\].
@@ -30,7 +30,9 @@ fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
 fn twenty_seeds_a_condition_are_tracked_without_touching() {
     let robot = shipped::robot("wave_arm").unwrap();
     let collision = CollisionModel::new(&robot, &[]).unwrap();
-    let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 25).unwrap();
+    let primitive =
+        FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), 25, &LearnOptions::paper())
+            .unwrap();
     let mut drawn = 0;
     for condition in [
         Observation::modulus("elbow_flexion", 10, 5f64.to_radians()),

@@ -7,8 +7,8 @@ use rand::RngExt;
 use rand::distr::Distribution;
 use undulate::testing::{gaussian, gaussians, primitives, waves};
 use undulate::{
-    Coordinate, Derivative, FourierBasis, FourierMovementPrimitive, Gaussian, LogPolar,
-    Observation, PeriodGrid, Wave, stream, synthetic,
+    Coordinate, Derivative, FourierBasis, FourierMovementPrimitive, Gaussian, LearnOptions,
+    LogPolar, Observation, PeriodGrid, Wave, stream, synthetic,
 };
 
 /// The literal system of Algorithm 1: (Phi (x) I_D) w = y over k = -K..K, by the complex normal equations' SVD-free twin, LU.
@@ -63,7 +63,7 @@ proptest! {
     fn addresses_are_a_bijection(wave in waves(1..=4, 1..=6)) {
         let chart = LogPolar::of(&wave);
         for i in 0..chart.dimension() {
-            prop_assert_eq!(chart.index(&chart.coordinate(i).unwrap()).unwrap(), i);
+            prop_assert_eq!(chart.row(&chart.coordinate(i).unwrap()).unwrap(), vec![(i, 1.0)]);
         }
         prop_assert_eq!(chart.coordinate(chart.dimension()), None);
     }
@@ -209,7 +209,8 @@ proptest! {
         let rows: Vec<usize> = picks.into_iter().filter(|i| *i < prior.dimension()).collect();
         let observations: Vec<Observation> = rows.iter().map(|i| {
             let coordinate = primitive.chart().coordinate(*i).unwrap();
-            Observation { value: coordinate.value(target[*i]), coordinate }
+            let value = primitive.chart().value(&coordinate, target[*i]).unwrap();
+            Observation::of(coordinate, value)
         }).collect();
         prop_assume!(!rows.is_empty());
         let a = DMatrix::from_fn(rows.len(), prior.dimension(), |r, i| f64::from(u8::from(rows[r] == i)));
@@ -220,10 +221,12 @@ proptest! {
         prop_assume!(eigenvalues.min() > 1e-4 * eigenvalues.max());
         let conditioned = primitive.condition(&observations).unwrap();
         let posterior = conditioned.gaussian();
-        let charted = DVector::from_iterator(rows.len(), rows.iter().zip(&observations).map(|(_, o)| match o.coordinate {
-            Coordinate::Modulus { .. } => o.value.ln(),
-            Coordinate::Phase { .. } => (o.value + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI,
-            Coordinate::Offset { .. } => o.value,
+        let charted = DVector::from_iterator(rows.len(), rows.iter().zip(&observations).map(|(i, o)| {
+            match primitive.chart().coordinate(*i).unwrap() {
+                Coordinate::Modulus { .. } => o.value.ln(),
+                Coordinate::Phase { .. } => (o.value + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI,
+                _ => o.value,
+            }
         }));
         let gain = (&sigma * a.transpose()) * s.try_inverse().unwrap();
         let mean = prior.mean() + &gain * (&charted - &a * prior.mean());
@@ -271,7 +274,8 @@ const DRAWS: usize = 4000;
 const SEED: u64 = 20;
 
 fn learned() -> FourierMovementPrimitive {
-    FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 25).unwrap()
+    FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), 25, &LearnOptions::paper())
+        .unwrap()
 }
 
 fn conditioned() -> FourierMovementPrimitive {
@@ -385,7 +389,7 @@ fn contradictions_and_foreign_names_are_refused_by_name() {
     );
     refuse(
         Observation::modulus("elbow_flexion", 9, 0.0),
-        &["positive modulus"],
+        &["positive number"],
     );
     refuse(
         Observation::modulus("elbow_flexion", 9, f64::NAN),
@@ -410,7 +414,8 @@ fn broken_model_files_are_refused() {
     assert!(read(&text[..text.len() / 2]).contains("cut short"));
     assert!(read("").contains("cut short"));
     assert!(
-        read(&text.replace("\"version\":1", "\"version\":2")).contains("version 2, expected 1")
+        read(&text.replace("\"version\":2", "\"version\":3"))
+            .contains("version 3, expected 1 to 2")
     );
     assert!(read(&text.replace("undulate model", "something")).contains("format `something`"));
     assert!(read(&text.replace("\"harmonics\":25", "\"harmonics\":24")).contains("2 D K + D"));
@@ -426,11 +431,17 @@ fn broken_model_files_are_refused() {
 fn one_demonstration_and_differing_waves_are_refused() {
     let waves = synthetic(0).unwrap().fit(5).unwrap();
     assert!(
-        FourierMovementPrimitive::from_waves(&waves[..1])
+        FourierMovementPrimitive::from_waves(&waves[..1], &LearnOptions::paper())
             .unwrap_err()
             .to_string()
             .contains("at least two")
     );
     let other = synthetic(0).unwrap().fit(6).unwrap();
-    assert!(FourierMovementPrimitive::from_waves(&[waves[0].clone(), other[0].clone()]).is_err());
+    assert!(
+        FourierMovementPrimitive::from_waves(
+            &[waves[0].clone(), other[0].clone()],
+            &LearnOptions::paper()
+        )
+        .is_err()
+    );
 }

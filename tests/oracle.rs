@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use serde_json::Value;
 use undulate::{
-    Demonstrations, Duration, FourierMovementPrimitive, Joints, Observation, Recording,
+    Demonstrations, Duration, FourierMovementPrimitive, Joints, LearnOptions, Observation,
+    Recording,
 };
 
 /// Relative, in the Frobenius norm.
@@ -85,7 +86,12 @@ fn three_kinds_of_time_stamps_agree_with_numpy() {
                 "{name}"
             );
         }
-        let primitive = FourierMovementPrimitive::learn(&demonstrations, harmonics).unwrap();
+        let primitive = FourierMovementPrimitive::learn_with(
+            &demonstrations,
+            harmonics,
+            &LearnOptions::paper(),
+        )
+        .unwrap();
         let mean = |g: &undulate::Gaussian| {
             DMatrix::from_column_slice(g.dimension(), 1, g.mean().as_slice())
         };

@@ -1,6 +1,6 @@
 //! The claims of the paper that the main job stands for, over 20 seeds of the demonstrator.
 
-use undulate::{FourierMovementPrimitive, Observation, synthetic};
+use undulate::{FourierMovementPrimitive, LearnOptions, Observation, synthetic};
 
 const ELBOW: &str = "elbow_flexion";
 const WRIST: &str = "wrist_deviation";
@@ -20,8 +20,12 @@ fn centroid(primitive: &FourierMovementPrimitive, joint: &str) -> f64 {
 fn medians_follow_the_conditions_for_18_of_20_seeds() {
     let mut held = 0;
     for seed in 0..20 {
-        let primitive =
-            FourierMovementPrimitive::learn(&synthetic(seed).unwrap(), HARMONICS).unwrap();
+        let primitive = FourierMovementPrimitive::learn_with(
+            &synthetic(seed).unwrap(),
+            HARMONICS,
+            &LearnOptions::paper(),
+        )
+        .unwrap();
         let given = |joint: &str, k: usize, degrees: f64| {
             let observation = Observation::modulus(joint, k, f64::to_radians(degrees));
             primitive.condition(&[observation]).unwrap()

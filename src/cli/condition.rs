@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Outcome, output, read_model};
 use crate::error::Result;
-use crate::primitive::Observation;
+use crate::primitive::{FourierMovementPrimitive, Observation, Quantity};
 
 /// Standard deviations within which a condition is nothing unusual.
 const USUAL: f64 = 3.0;
@@ -42,31 +42,18 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         ));
     }
     output::write(&arguments.output, conditioned.to_json().as_bytes())?;
-    let period = primitive.chart().period();
     let value = json!({
         "model": arguments.output,
-        "given": arguments.given.iter().map(|o| json!({"coordinate": o.coordinate.to_string(), "value_rad": o.value})).collect::<Vec<_>>(),
+        "given": arguments.given.iter().map(|o| observation_json(&primitive, o)).collect::<Vec<_>>(),
         "mahalanobis_distance": distance,
         "rank_before": primitive.gaussian().rank(),
         "rank": conditioned.gaussian().rank(),
     });
-    let mut rows = Vec::new();
-    for observation in &arguments.given {
-        let index = primitive.chart().index(&observation.coordinate)?;
-        let hertz = observation.coordinate.harmonic().map(|k| k as f64 / period);
-        rows.push(vec![
-            observation.coordinate.to_string(),
-            hertz.map_or(String::new(), |f| format!("{f:.2} Hz")),
-            format!("{:.2} deg", observation.value.to_degrees()),
-            format!(
-                "{:.2} deg",
-                observation
-                    .coordinate
-                    .value(primitive.gaussian().mean()[index])
-                    .to_degrees()
-            ),
-        ]);
-    }
+    let rows = arguments
+        .given
+        .iter()
+        .map(|o| observation_row(&primitive, o))
+        .collect::<Result<Vec<_>>>()?;
     output::report(json, &value, || {
         format!(
             "{}\n{distance:.1} standard deviations from the demonstrations; {} of {} independent directions of variation are left\nwrote {}",
@@ -77,4 +64,55 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         )
     });
     Ok(Outcome::Done)
+}
+
+/// One observation, with the actual frequency of its harmonic.
+pub(super) fn observation_json(
+    primitive: &FourierMovementPrimitive,
+    observation: &Observation,
+) -> Value {
+    json!({
+        "quantity": observation.quantity.to_string(),
+        "value": observation.value,
+        "deviation": observation.deviation,
+        "frequency_hz": frequency(primitive, observation),
+    })
+}
+
+fn observation_row(
+    primitive: &FourierMovementPrimitive,
+    observation: &Observation,
+) -> Result<Vec<String>> {
+    let (unit, before) = match &observation.quantity {
+        Quantity::One(coordinate) if coordinate.is_angle() => {
+            (" deg", Some(primitive.median(coordinate)?.to_degrees()))
+        }
+        Quantity::One(coordinate) => ("", Some(primitive.median(coordinate)?)),
+        Quantity::Sum(_) => ("", None),
+    };
+    let scale = if unit.is_empty() {
+        1.0
+    } else {
+        1f64.to_degrees()
+    };
+    let mut value = format!("{:.2}{unit}", scale * observation.value);
+    if observation.deviation > 0.0 {
+        value.push_str(&format!(" +- {:.2}{unit}", scale * observation.deviation));
+    }
+    Ok(vec![
+        observation.quantity.to_string(),
+        frequency(primitive, observation).map_or(String::new(), |f| format!("{f:.3} Hz")),
+        value,
+        before.map_or(String::new(), |b| format!("{b:.2}{unit}")),
+    ])
+}
+
+/// k/T of the harmonic that is meant.
+fn frequency(primitive: &FourierMovementPrimitive, observation: &Observation) -> Option<f64> {
+    let Quantity::One(coordinate) = &observation.quantity else {
+        return None;
+    };
+    let chart = primitive.chart();
+    let k = chart.harmonic(coordinate.harmonic()?).ok()?;
+    Some(k as f64 / chart.period())
 }

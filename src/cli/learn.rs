@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::assumptions::{Assumptions, offset_table};
+use super::recordings::Recordings;
 use super::{Outcome, output};
-use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::Result;
 use crate::fourier::Wave;
-use crate::primitive::FourierMovementPrimitive;
+use crate::primitive::{FourierMovementPrimitive, LearnOptions, Offsets};
 
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
 const MUCH_LEAKAGE: f64 = 0.05;
@@ -31,33 +32,13 @@ const IDENTICAL: f64 = 1e-9;
     undulate learn --list set.txt --root recordings --harmonics 30 -o model.json"
 )]
 pub(super) struct Arguments {
-    /// CSV files, or folders of them.
-    #[arg(value_name = "CSV|FOLDER")]
-    inputs: Vec<PathBuf>,
-    /// A file that names recordings, one path a line.
-    #[arg(long, value_name = "FILE")]
-    list: Option<PathBuf>,
-    /// What the paths in the list are relative to [default: the folder of the list].
-    #[arg(long, value_name = "FOLDER", requires = "list")]
-    root: Option<PathBuf>,
-    /// The columns to learn, in this order [default: all but `time_s`].
-    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
-    joints: Option<Vec<String>>,
-    /// Positions are degrees.
-    #[arg(long)]
-    degrees: bool,
-    /// The common period T [s] [default: the span for which (recordings kept) x T is largest].
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    duration: Option<f64>,
+    #[command(flatten)]
+    recordings: Recordings,
     /// The highest harmonic, K.
     #[arg(long, short = 'k', value_name = "K", default_value_t = 25)]
     harmonics: usize,
-    /// Take a straight line out of each joint's recording first.
-    #[arg(long)]
-    remove_drift: bool,
-    /// Seed of the synthetic demonstrator, where nothing else is learned.
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
-    seed: u64,
+    #[command(flatten)]
+    assumptions: Assumptions,
     /// The model file to write.
     #[arg(long, short, value_name = "FILE", default_value = "model.json")]
     output: PathBuf,
@@ -66,60 +47,19 @@ pub(super) struct Arguments {
     fits: Option<PathBuf>,
 }
 
-impl Arguments {
-    fn demonstrations(&self) -> Result<Demonstrations> {
-        if self.inputs.is_empty() && self.list.is_none() {
-            let about_files = self.joints.is_some()
-                || self.degrees
-                || self.remove_drift
-                || self.duration.is_some();
-            if about_files {
-                return Err(Error::new(
-                    ErrorKind::Setting,
-                    "options for recordings, and no recordings",
-                )
-                .expected("CSV files, a folder of them, or --list"));
-            }
-            return synthetic(self.seed);
-        }
-        let mut files = Vec::new();
-        for input in &self.inputs {
-            if input.is_dir() {
-                files.extend(Recording::files_in(input)?);
-            } else {
-                files.push(input.clone());
-            }
-        }
-        if let Some(list) = &self.list {
-            files.extend(Recording::files_listed(list, self.root.as_deref())?);
-        }
-        let options = CsvOptions {
-            degrees: self.degrees,
-            joints: self.joints.clone(),
-        };
-        let bar = output::progress(files.len() as u64, "reading recordings");
-        let mut recordings = Vec::new();
-        for file in &files {
-            let recording = Recording::open(file, &options)?;
-            recordings.push(if self.remove_drift {
-                recording.without_drift()
-            } else {
-                recording
-            });
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
-        Demonstrations::new(
-            recordings,
-            self.duration.map_or(Duration::Auto, Duration::Seconds),
-        )
-    }
-}
-
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
-    let demonstrations = arguments.demonstrations()?;
+    let demonstrations = arguments.recordings.demonstrations()?;
     let waves = demonstrations.fit(arguments.harmonics)?;
-    let primitive = FourierMovementPrimitive::from_waves(&waves)?;
+    let options = arguments.assumptions.options();
+    let offsets = options.offset_forms(&waves)?;
+    let estimator = options.estimator.chosen(&waves, options.phases, &offsets)?;
+    let primitive = FourierMovementPrimitive::from_waves(
+        &waves,
+        &LearnOptions {
+            estimator,
+            ..options
+        },
+    )?;
     let leakage = demonstrations.leakage(&waves);
     let highest = arguments.harmonics as f64 / demonstrations.period();
     let tempo = demonstrations.highest_tempo();
@@ -189,6 +129,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "highest_frequency_hz": highest,
         "fastest_tempo_hz": tempo,
         "rank": primitive.gaussian().rank(),
+        "phases": options.phases.to_string(),
+        "phase_reference": primitive.chart().reference(),
+        "estimator": estimator.to_string(),
+        "offsets": offsets.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
     output::report(json, &value, || {
         let worst = leakage
@@ -214,7 +158,16 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 worst.name
             ));
         }
+        let reference = primitive.chart().reference();
+        text.push_str(&format!(
+            "\nphases {}{}, estimator {estimator}",
+            options.phases,
+            reference.map_or(String::new(), |joint| format!(" to {joint}")),
+        ));
         text.push_str(&format!("\n\n{}", strongest(&waves)));
+        if options.offsets != Offsets::Signed {
+            text.push_str(&format!("\n\n{}", offset_table(&waves, &offsets)));
+        }
         text.push_str(&format!("\n\nwrote {}", arguments.output.display()));
         text
     });

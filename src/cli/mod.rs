@@ -1,10 +1,12 @@
 //! The command line: arguments, files, progress, words. Only this module prints.
 
+mod assumptions;
 mod check;
 mod condition;
 mod learn;
 mod map;
 mod output;
+mod recordings;
 mod reproduce;
 mod robot;
 mod sample;

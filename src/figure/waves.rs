@@ -59,16 +59,15 @@ pub fn spectra(
         let mut lines = Vec::new();
         for labelled in primitives {
             let chart = labelled.primitive.chart();
-            let gaussian = labelled.primitive.gaussian();
             let (mut lower, mut median, mut upper) = (Vec::new(), Vec::new(), Vec::new());
             for harmonic in 1..=chart.harmonics() {
-                let joint = (*joint).to_owned();
-                let i = chart.index(&Coordinate::Modulus { joint, harmonic })?;
-                let (mean, sd) = (gaussian.mean()[i], gaussian.standard_deviation(i));
-                let at = |x: f64| (harmonic as f64, x.exp().to_degrees());
-                lower.push(at(mean - sd));
-                median.push(at(mean));
-                upper.push(at(mean + sd));
+                let coordinate = Coordinate::modulus(*joint, harmonic);
+                let middle = labelled.primitive.median(&coordinate)?;
+                let sd = labelled.primitive.standard_deviation(&coordinate)?;
+                let at = |factor: f64| (harmonic as f64, (middle * factor).to_degrees());
+                lower.push(at((-sd).exp()));
+                median.push(at(1.0));
+                upper.push(at(sd.exp()));
             }
             highest = median.iter().fold(highest, |h, p| h.max(p.1));
             series.push(Series {

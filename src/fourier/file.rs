@@ -5,11 +5,13 @@ use num_complex::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::{Joints, Wave};
-use crate::document::{self, VERSION};
+use crate::document;
 use crate::error::{Error, ErrorKind, Result};
 
 /// What the format calls itself.
 const WAVE: &str = "undulate wave";
+/// The version that is written; all from 1 to it are read.
+const VERSION: u64 = 1;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -45,7 +47,7 @@ impl Wave {
     /// # Errors
     /// When the text is not a wave file, is cut short, of a later version, or its numbers make no wave.
     pub fn from_json(text: &str) -> Result<Self> {
-        let file: WaveFile = document::read(text, WAVE)?;
+        let file: WaveFile = document::read(text, WAVE, VERSION)?;
         let joints = Joints::new(file.joints)?;
         let harmonics = file.weights_rad.first().map_or(0, Vec::len);
         let rows = &file.weights_rad;

@@ -1,104 +1,316 @@
-//! The model file: versioned JSON.
+//! The model file: versioned JSON. What is written is what was learned and what was observed since; the rest follows from it, bit for bit.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::{FourierMovementPrimitive, Gaussian, LogPolar};
-use crate::document::{self, VERSION};
+use super::chart::Phases;
+use super::{
+    Covariance, FourierMovementPrimitive, Gaussian, Kronecker, LinearObservation, LogPolar,
+    OffsetForm, PhaseForm,
+};
+use crate::document;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
+/// The version that is written.
+const VERSION: u64 = 2;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ModelFile {
     format: String,
     version: u64,
-    /// How phases enter the vector: `principal`, their values in (-pi, pi].
-    phases: Phases,
-    /// How offsets enter the vector: `signed`, as they are.
-    offsets: Offsets,
     joints: Vec<String>,
     period_s: f64,
     harmonics: usize,
+    phases: PhasesEntry,
+    /// One a joint: `signed`, `positive` or `negative`.
+    offsets: Vec<OffsetEntry>,
     /// n = 2DK + D numbers in the order of `LogPolar`.
     mean: Vec<f64>,
-    /// r columns of n numbers each: the covariance is the sum of their outer products.
+    /// r columns of n numbers each: the covariance is the sum of their outer products, ..
+    factor: Vec<Vec<f64>>,
+    /// .. of Kronecker blocks, ..
+    blocks: Vec<BlockEntry>,
+    /// .. and of what coordinates do alone: index and standard deviation.
+    independent: Vec<(usize, f64)>,
+    observations: Vec<ObservationEntry>,
+}
+
+/// Version 1: principal phases, signed offsets, a factor, and conditioning already worked in.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelFile1 {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: u64,
+    #[serde(rename = "phases")]
+    _phases: Principal,
+    #[serde(rename = "offsets")]
+    _offsets: Signed,
+    joints: Vec<String>,
+    period_s: f64,
+    harmonics: usize,
+    mean: Vec<f64>,
     factor: Vec<Vec<f64>>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Phases {
+enum Principal {
     Principal,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Offsets {
+enum Signed {
     Signed,
 }
 
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "lowercase")]
+enum PhasesEntry {
+    Principal,
+    /// D K branch centres \[rad\].
+    Recentred {
+        centres_rad: Vec<f64>,
+    },
+    Relative {
+        reference: String,
+        centres_rad: Vec<f64>,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum OffsetEntry {
+    Signed,
+    Positive,
+    Negative,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BlockEntry {
+    start: usize,
+    correlation: Vec<Vec<f64>>,
+    decay: f64,
+    deviations: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObservationEntry {
+    row: Vec<(usize, f64)>,
+    value: f64,
+    deviation: f64,
+}
+
 impl FourierMovementPrimitive {
-    /// The model file, version 1.
+    /// The model file, version 2.
     pub fn to_json(&self) -> String {
+        let (chart, gaussian) = (&self.chart, &self.gaussian);
+        let covariance = gaussian.prior_covariance();
+        let centres_rad = chart.phases().centres().to_vec();
+        let columns = |m: &DMatrix<f64>| -> Vec<Vec<f64>> {
+            m.column_iter()
+                .map(|c| c.iter().copied().collect())
+                .collect()
+        };
+        let independent = covariance.independent().iter().copied().enumerate();
         document::write(&ModelFile {
             format: MODEL.to_owned(),
             version: VERSION,
-            phases: Phases::Principal,
-            offsets: Offsets::Signed,
-            joints: self.chart.joints().iter().cloned().collect(),
-            period_s: self.chart.period(),
-            harmonics: self.chart.harmonics(),
-            mean: self.gaussian.mean().as_slice().to_vec(),
-            factor: self
-                .gaussian
-                .factor()
-                .column_iter()
-                .map(|c| c.iter().copied().collect())
+            joints: chart.joints().iter().cloned().collect(),
+            period_s: chart.period(),
+            harmonics: chart.harmonics(),
+            phases: match (chart.phase_form(), chart.reference()) {
+                (PhaseForm::Relative, Some(reference)) => PhasesEntry::Relative {
+                    reference: reference.to_owned(),
+                    centres_rad,
+                },
+                (PhaseForm::Recentred, _) => PhasesEntry::Recentred { centres_rad },
+                _ => PhasesEntry::Principal,
+            },
+            offsets: chart
+                .offset_forms()
+                .iter()
+                .map(|form| match form {
+                    OffsetForm::Signed => OffsetEntry::Signed,
+                    OffsetForm::Positive => OffsetEntry::Positive,
+                    OffsetForm::Negative => OffsetEntry::Negative,
+                })
+                .collect(),
+            mean: gaussian.prior_mean().as_slice().to_vec(),
+            factor: columns(covariance.factor()),
+            blocks: covariance
+                .blocks()
+                .iter()
+                .map(|block| BlockEntry {
+                    start: block.start(),
+                    correlation: columns(block.correlation()),
+                    decay: block.decay(),
+                    deviations: block.deviations().to_vec(),
+                })
+                .collect(),
+            independent: independent.filter(|(_, s)| *s > 0.0).collect(),
+            observations: gaussian
+                .observations()
+                .map(|o| ObservationEntry {
+                    row: o.row.clone(),
+                    value: o.value,
+                    deviation: o.deviation,
+                })
                 .collect(),
         })
     }
 
-    /// Reads a model file; numbers come back bit for bit.
+    /// Reads a model file of any version; numbers come back bit for bit.
     ///
     /// # Errors
     /// When the text is not a model file, is cut short, of a later version, or its numbers make no primitive.
     pub fn from_json(text: &str) -> Result<Self> {
-        let file: ModelFile = document::read(text, MODEL)?;
-        let joints = Joints::new(file.joints)?;
-        // Through a wave of zeros, whose constructor checks the period.
-        let blank = Wave::new(
-            joints.clone(),
-            file.period_s,
-            DVector::zeros(joints.len()),
-            DMatrix::zeros(joints.len(), 0),
-        )?;
+        if document::version(text, MODEL, VERSION)? == 1 {
+            let file: ModelFile1 = document::read(text, MODEL, VERSION)?;
+            let chart = chart(file.joints, file.period_s, file.harmonics, file.mean.len())?;
+            let factor = factor(&file.factor, file.mean.len())?;
+            return Self::new(chart, Gaussian::new(DVector::from_vec(file.mean), factor)?);
+        }
+        let file: ModelFile = document::read(text, MODEL, VERSION)?;
         let n = file.mean.len();
-        // Before anything of that size is made.
-        let expected = file
-            .harmonics
-            .checked_mul(2)
-            .and_then(|k| k.checked_add(1))
-            .and_then(|k| k.checked_mul(joints.len()));
-        if file.harmonics == 0 || expected != Some(n) || file.factor.iter().any(|c| c.len() != n) {
-            return Err(Error::new(
-                ErrorKind::Shape,
+        let chart = chart(file.joints, file.period_s, file.harmonics, n)?;
+        let chart = file.phases.put_on(chart)?;
+        if file.offsets.len() != chart.joints().len() {
+            return Err(
+                shape(format!("{} forms of offsets", file.offsets.len())).expected("one a joint")
+            );
+        }
+        let offsets = file.offsets.iter().map(|form| match form {
+            OffsetEntry::Signed => OffsetForm::Signed,
+            OffsetEntry::Positive => OffsetForm::Positive,
+            OffsetEntry::Negative => OffsetForm::Negative,
+        });
+        let chart = chart.with_offsets(offsets.collect());
+        let blocks = file
+            .blocks
+            .into_iter()
+            .map(BlockEntry::block)
+            .collect::<Result<_>>()?;
+        let mut independent = DVector::zeros(n);
+        for (i, s) in file.independent {
+            *independent
+                .get_mut(i)
+                .ok_or_else(|| shape(format!("coordinate {i} of {n}")))? = s;
+        }
+        let covariance = Covariance::new(factor(&file.factor, n)?, blocks, independent)?;
+        let gaussian = Gaussian::structured(DVector::from_vec(file.mean), covariance)?;
+        // Before the observations are worked in: they need a sound one.
+        let prior = Self::new(chart.clone(), gaussian)?;
+        let observations = file
+            .observations
+            .into_iter()
+            .map(|o| o.observation(n))
+            .collect::<Result<Vec<_>>>()?;
+        let gaussian = prior.gaussian.replay(observations).map_err(|c| {
+            Error::new(
+                ErrorKind::Infeasible,
                 format!(
-                    "{} joints, {} harmonics, a mean of {n} numbers, or a column of the factor of another length",
-                    joints.len(),
-                    file.harmonics
+                    "observation {} contradicts those before it",
+                    c.observation + 1
                 ),
             )
-            .expected("2 D K + D numbers in the mean and in each column"));
+        })?;
+        Self::new(chart, gaussian)
+    }
+}
+
+fn shape(what: String) -> Error {
+    Error::new(ErrorKind::Shape, what)
+}
+
+/// The paper's chart for a mean of `n` numbers.
+fn chart(joints: Vec<String>, period: f64, harmonics: usize, n: usize) -> Result<LogPolar> {
+    let joints = Joints::new(joints)?;
+    // Through a wave of zeros, whose constructor checks the period.
+    let offsets = DVector::zeros(joints.len());
+    let blank = DMatrix::zeros(joints.len(), 0);
+    let period = Wave::new(joints.clone(), period, offsets, blank)?.period();
+    // Before anything of that size is made.
+    let expected = harmonics
+        .checked_mul(2)
+        .and_then(|k| k.checked_add(1))
+        .and_then(|k| k.checked_mul(joints.len()));
+    if harmonics == 0 || expected != Some(n) {
+        return Err(shape(format!(
+            "{} joints, {harmonics} harmonics, a mean of {n} numbers",
+            joints.len()
+        ))
+        .expected("2 D K + D numbers in the mean"));
+    }
+    Ok(LogPolar::principal(joints, period, harmonics))
+}
+
+fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
+    if columns.iter().any(|c| c.len() != n) {
+        return Err(shape("a column of the factor of another length".into())
+            .expected("2 D K + D numbers in each column"));
+    }
+    Ok(DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]))
+}
+
+impl PhasesEntry {
+    fn put_on(self, chart: LogPolar) -> Result<LogPolar> {
+        let (form, reference, centres) = match self {
+            Self::Principal => return Ok(chart),
+            Self::Recentred { centres_rad } => (PhaseForm::Recentred, 0, centres_rad),
+            Self::Relative {
+                reference,
+                centres_rad,
+            } => (
+                PhaseForm::Relative,
+                chart.joints().index(&reference)?,
+                centres_rad,
+            ),
+        };
+        let expected = chart.joints().len() * chart.harmonics();
+        let turn = std::f64::consts::TAU;
+        if centres.len() != expected || centres.iter().any(|c| !(c.abs() <= turn)) {
+            return Err(shape(format!("{} branch centres", centres.len()))
+                .expected(format!("{expected} angles, D K of them")));
         }
-        let factor = DMatrix::from_fn(n, file.factor.len(), |i, j| file.factor[j][i]);
-        let gaussian = Gaussian::new(DVector::from_vec(file.mean), factor)?;
-        Self::new(
-            LogPolar::new(joints, blank.period(), file.harmonics),
-            gaussian,
-        )
+        let phases = Phases::new(form, reference, chart.harmonics(), centres);
+        Ok(chart.with_phases(phases))
+    }
+}
+
+impl BlockEntry {
+    fn block(self) -> Result<Kronecker> {
+        let m = self.correlation.len();
+        if self.correlation.iter().any(|row| row.len() != m) {
+            return Err(shape("a correlation matrix that is not square".into()));
+        }
+        let correlation = DMatrix::from_fn(m, m, |i, j| self.correlation[i][j]);
+        Kronecker::new(self.start, correlation, self.decay, self.deviations)
+    }
+}
+
+impl ObservationEntry {
+    fn observation(self, n: usize) -> Result<LinearObservation> {
+        let within = self.row.iter().all(|(i, c)| *i < n && c.is_finite());
+        let numbers = self.value.is_finite() && self.deviation.is_finite();
+        if self.row.is_empty() || !within || !numbers || self.deviation < 0.0 {
+            return Err(Error::new(
+                ErrorKind::Value,
+                "an observation that is none of these coordinates",
+            ));
+        }
+        Ok(LinearObservation {
+            row: self.row,
+            value: self.value,
+            deviation: self.deviation,
+        })
     }
 }

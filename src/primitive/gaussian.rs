@@ -1,48 +1,122 @@
-//! A Gaussian with a low-rank factor: maximum likelihood, conditioning, sampling.
+//! [`Gaussian`]: maximum likelihood, exact conditioning on linear observations, sampling.
+
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rand::Rng;
 
+use super::Covariance;
+use super::covariance::dot;
 use super::normal;
 use crate::error::{Error, ErrorKind, Result};
 
-/// A direction whose standard deviation is below this has no variance left: coordinates are radians and logarithms,
-/// and what conditioning on a coordinate leaves of it is of the order of 1e-16.
+/// A direction whose standard deviation is below this has no variance: coordinates are radians and logarithms.
 const NO_VARIANCE: f64 = 1e-9;
 
-/// An observed value may differ by this much from the only value that is possible.
+/// An exact value may differ from the only one that is possible by this many standard deviations, or by this much.
 const CONSISTENT: f64 = 1e-9;
 
 /// Of an observation's standard deviation, what earlier observations must leave for it to count as another direction.
 const DEPENDENT: f64 = 1e-8;
 
-/// N(mu, F F^T) in n dimensions with a factor F of n x r: rank at most r, and never an n x n matrix unless asked for.
+/// a^T x = b over the n coordinates of a Gaussian, exactly or with a standard deviation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearObservation {
+    /// The entries of a that are not zero: coordinate and coefficient.
+    pub row: Vec<(usize, f64)>,
+    /// b.
+    pub value: f64,
+    /// Of b; 0 for an exact observation.
+    pub deviation: f64,
+}
+
+/// N(mu, Sigma) given any number of linear observations, with Sigma an implicit [`Covariance`] B B^T.
+///
+/// Drawing and conditioning work on the latent z of x = mu + B z, standard normal before any observation. The rows a^T B of the
+/// observations, with a latent number more for each that is not exact, are orthonormalised one after the other to Q; given
+/// them, what remains of z is its projection away from Q. That is Matheron's rule (Journel and Huijbregts, Mining
+/// Geostatistics, 1978, section VII.A.1; Wilson et al., JMLR 22, 2021) with V = A Sigma A^T + noise never formed, so that its
+/// condition number enters once and not twice:
+///
+/// ```text
+/// mu' = mu + Sigma A^T V^-1 (b - A mu),   Sigma' = Sigma - U U^T,   U = B Q
+/// ```
+///
+/// m observations cost O((n r + m l) m), a draw O(n r + m l); nothing of size n x n is ever made unless asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gaussian {
+    prior_mean: Arc<DVector<f64>>,
+    covariance: Arc<Covariance>,
+    observed: Vec<Arc<Observed>>,
     mean: DVector<f64>,
-    factor: DMatrix<f64>,
+}
+
+/// One observation, eliminated after those before it.
+#[derive(Debug, PartialEq)]
+struct Observed {
+    observation: LinearObservation,
+    /// Its column of Q: over z, and over the latent numbers of the inexact observations up to it.
+    latent: Vec<f64>,
+    noise: Vec<f64>,
+    /// Its column of U (n).
+    gain: Vec<f64>,
+}
+
+impl Observed {
+    /// The coordinate that is known exactly, if it is one alone.
+    fn fixed(&self) -> Option<(usize, f64)> {
+        match self.observation.row.as_slice() {
+            [(i, c)] if self.observation.deviation == 0.0 => Some((*i, self.observation.value / c)),
+            _ => None,
+        }
+    }
+
+    fn project_out(&self, latent: &mut [f64], noise: &mut [f64]) {
+        let share = dot(&self.latent, latent) + dot(&self.noise, &noise[..self.noise.len()]);
+        subtract(latent, share, &self.latent);
+        subtract(noise, share, &self.noise);
+    }
+}
+
+fn subtract(v: &mut [f64], share: f64, q: &[f64]) {
+    for (v, q) in v.iter_mut().zip(q) {
+        *v -= share * q;
+    }
 }
 
 impl Gaussian {
-    /// A Gaussian of mean mu (n) and factor F (n x r).
+    /// A Gaussian of mean mu (n) and factor F (n x r): Sigma = F F^T.
     ///
     /// # Errors
     /// When the sizes do not fit or a number is not finite.
     pub fn new(mean: DVector<f64>, factor: DMatrix<f64>) -> Result<Self> {
-        if factor.nrows() != mean.len() {
+        Self::structured(mean, Covariance::of_factor(factor)?)
+    }
+
+    /// A Gaussian of mean mu (n) and any covariance.
+    ///
+    /// # Errors
+    /// When the sizes do not fit or the mean is not finite.
+    pub fn structured(mean: DVector<f64>, covariance: Covariance) -> Result<Self> {
+        if covariance.dimension() != mean.len() {
             return Err(Error::new(
                 ErrorKind::Shape,
                 format!(
-                    "a mean of {} and a factor of {} rows",
+                    "a mean of {} and a covariance of {} rows",
                     mean.len(),
-                    factor.nrows()
+                    covariance.dimension()
                 ),
             ));
         }
-        if mean.iter().chain(factor.iter()).any(|v| !v.is_finite()) {
-            return Err(Error::new(ErrorKind::Value, "mean or factor is not finite"));
+        if mean.iter().any(|v| !v.is_finite()) {
+            return Err(Error::new(ErrorKind::Value, "mean is not finite"));
         }
-        Ok(Self { mean, factor })
+        Ok(Self {
+            prior_mean: Arc::new(mean.clone()),
+            covariance: Arc::new(covariance),
+            observed: Vec::new(),
+            mean,
+        })
     }
 
     /// Maximum likelihood from M vectors: their mean, and the covariance with 1/M (not 1/(M-1)), of rank M - 1.
@@ -84,133 +158,304 @@ impl Gaussian {
         self.mean.len()
     }
 
-    /// r, the number of columns of F.
+    /// In how many directions it varies: min(n, l) less the exact observations.
     pub fn rank(&self) -> usize {
-        self.factor.ncols()
+        let exact = self.observations().filter(|o| o.deviation == 0.0).count();
+        self.covariance
+            .latent()
+            .min(self.dimension())
+            .saturating_sub(exact)
     }
 
-    /// mu (n).
+    /// mu (n), given the observations.
     pub fn mean(&self) -> &DVector<f64> {
         &self.mean
     }
 
-    /// F (n x r).
-    pub fn factor(&self) -> &DMatrix<f64> {
-        &self.factor
+    /// mu (n) before any observation.
+    pub fn prior_mean(&self) -> &DVector<f64> {
+        &self.prior_mean
     }
 
-    /// F F^T (n x n).
+    /// Sigma before any observation.
+    pub fn prior_covariance(&self) -> &Covariance {
+        &self.covariance
+    }
+
+    /// The observations, in the order in which they were eliminated.
+    pub fn observations(&self) -> impl ExactSizeIterator<Item = &LinearObservation> {
+        self.observed.iter().map(|o| &o.observation)
+    }
+
+    /// Sigma (n x n), given the observations.
     pub fn covariance(&self) -> DMatrix<f64> {
-        &self.factor * self.factor.transpose()
+        let mut sigma = self.covariance.dense();
+        for observed in &self.observed {
+            let gain = DVector::from_column_slice(&observed.gain);
+            sigma.ger(-1.0, &gain, &gain, 1.0);
+        }
+        for (i, _) in self.fixed() {
+            sigma.row_mut(i).fill(0.0);
+            sigma.column_mut(i).fill(0.0);
+        }
+        sigma
     }
 
-    /// Standard deviation of coordinate `i`.
-    pub fn standard_deviation(&self, i: usize) -> f64 {
-        self.factor.row(i).norm()
+    /// A factor of Sigma, given the observations (n x l, plus a column for each inexact one): what maps standard normal numbers to x - mu.
+    pub fn factor(&self) -> DMatrix<f64> {
+        let latent = self.latent();
+        let mut factor = DMatrix::zeros(self.dimension(), latent);
+        let mut z = vec![0.0; latent];
+        for (j, mut column) in factor.column_iter_mut().enumerate() {
+            z.fill(0.0);
+            z[j] = 1.0;
+            column.copy_from(&(self.at_latent(&mut z) - &self.mean));
+        }
+        factor
     }
 
-    /// mu + F z with z standard normal (n).
-    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> DVector<f64> {
-        let mut z = vec![0.0; self.rank()];
-        normal::fill(rng, &mut z);
+    fn fixed(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.observed.iter().filter_map(|o| o.fixed())
+    }
+
+    fn noises(&self) -> usize {
+        self.observed.last().map_or(0, |o| o.noise.len())
+    }
+
+    /// How many standard normal numbers a draw takes.
+    pub(super) fn latent(&self) -> usize {
+        self.covariance.latent() + self.noises()
+    }
+
+    /// x of latent numbers; what the observations determine is taken out of `z` first.
+    pub(super) fn at_latent(&self, z: &mut [f64]) -> DVector<f64> {
+        let (latent, noise) = z.split_at_mut(self.covariance.latent());
+        for observed in &self.observed {
+            observed.project_out(latent, noise);
+        }
         let mut x = self.mean.clone();
-        // Column by column: a fixed order of summation, the same bits everywhere. Slices, so that it becomes vectors.
-        for (j, z) in z.into_iter().enumerate() {
-            let column = self.factor.column(j);
-            for (x, f) in x.as_mut_slice().iter_mut().zip(column.as_slice()) {
-                *x += f * z;
-            }
+        self.covariance.apply(latent, x.as_mut_slice());
+        // What rounding left.
+        for (i, value) in self.fixed() {
+            x[i] = value;
         }
         x
     }
 
-    /// Bounds |x_i - mu_i| over all that [`sample`](Self::sample) can draw.
-    pub fn reach(&self, i: usize) -> f64 {
-        normal::FARTHEST * self.factor.row(i).iter().map(|f| f.abs()).sum::<f64>()
+    /// The gradient with respect to the latent numbers of a function of x, from its gradient g (n) with respect to x.
+    pub(super) fn latent_gradient(&self, g: &[f64]) -> Vec<f64> {
+        let mut z = self.covariance.apply_transposed(g);
+        let mut noise = vec![0.0; self.noises()];
+        for observed in self.observed.iter().rev() {
+            observed.project_out(&mut z, &mut noise);
+        }
+        z.extend(noise);
+        z
     }
 
-    /// The Gaussian given x_i = b for each (i, b), exactly:
-    ///
-    /// ```text
-    /// mu' = mu + Sigma A^T (A Sigma A^T)^-1 (b - A mu),   Sigma' = Sigma - Sigma A^T (A Sigma A^T)^-1 A Sigma
-    /// ```
-    ///
-    /// (equation (2) of Panteris, Manschitz and Calinon) without forming Sigma: each observation turns the latent
-    /// space (a Householder reflection) until only its first axis matters, sets that axis, and drops it. So the order
-    /// does not matter but for rounding, variances never grow, and the result has a column less for each observation.
-    /// The observation with the largest share of its variance left goes first, as in a pivoted QR.
+    /// mu + B z, z standard normal and projected away from what is observed (n).
+    pub fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> DVector<f64> {
+        let mut z = vec![0.0; self.latent()];
+        normal::fill(rng, &mut z);
+        self.at_latent(&mut z)
+    }
+
+    /// Standard deviation of coordinate `i`.
+    pub fn standard_deviation(&self, i: usize) -> f64 {
+        self.deviation_of(&[(i, 1.0)])
+    }
+
+    /// Standard deviation of a^T x.
+    pub(super) fn deviation_of(&self, row: &[(usize, f64)]) -> f64 {
+        let fixed = row.iter().all(|(i, _)| self.fixed().any(|(j, _)| j == *i));
+        if fixed {
+            return 0.0;
+        }
+        let (latent, noise) = self.remaining(row, None);
+        norm(&latent, &noise)
+    }
+
+    /// a^T mu.
+    pub(super) fn mean_of(&self, row: &[(usize, f64)]) -> f64 {
+        row.iter().map(|(i, c)| c * self.mean[*i]).sum()
+    }
+
+    /// Cov(a^T x, b^T x).
+    pub(super) fn covariance_of(&self, a: &[(usize, f64)], b: &[(usize, f64)]) -> f64 {
+        let ((x, u), (y, v)) = (self.remaining(a, None), self.remaining(b, None));
+        dot(&x, &y) + dot(&u, &v)
+    }
+
+    /// a^T B, extended by its own noise, projected away from the observations: twice, which is enough (Giraud et al. 2005).
+    fn remaining(&self, row: &[(usize, f64)], deviation: Option<f64>) -> (Vec<f64>, Vec<f64>) {
+        let mut a = vec![0.0; self.dimension()];
+        for (i, c) in row {
+            a[*i] += c;
+        }
+        let mut latent = self.covariance.apply_transposed(&a);
+        let mut noise = vec![0.0; self.noises()];
+        noise.extend(deviation);
+        for _ in 0..2 {
+            for observed in &self.observed {
+                observed.project_out(&mut latent, &mut noise);
+            }
+        }
+        (latent, noise)
+    }
+
+    /// The Gaussian given `observations` as well; the one with the largest share of its variance left goes first, as in a
+    /// pivoted QR. Batch and sequence are the same, and the order does not matter, but for rounding.
     ///
     /// # Errors
-    /// The index within `observations` and what to say of it, when a value contradicts what is already certain.
+    /// The index within `observations`, and what to say of it, when a value contradicts what is already certain.
     pub(super) fn condition(
         &self,
-        observations: &[(usize, f64)],
+        observations: &[LinearObservation],
     ) -> std::result::Result<Self, Contradiction> {
         let mut posterior = self.clone();
-        let mut open: Vec<usize> = (0..observations.len()).collect();
+        let mut open: Vec<Pivot> = observations
+            .iter()
+            .enumerate()
+            .map(|(index, observation)| Pivot::new(self, index, observation))
+            .collect();
         while !open.is_empty() {
-            let share = |o: usize| {
-                let i = observations[o].0;
-                posterior.standard_deviation(i) / self.standard_deviation(i).max(NO_VARIANCE)
-            };
             let mut best = 0;
             for candidate in 1..open.len() {
-                if share(open[candidate]) > share(open[best]) {
+                if open[candidate].share() > open[best].share() {
                     best = candidate;
                 }
             }
-            let left = share(open[best]);
-            let o = open.remove(best);
-            let (i, value) = observations[o];
-            let residual = value - posterior.mean[i];
-            if left > DEPENDENT && posterior.standard_deviation(i) > NO_VARIANCE {
-                posterior.fix(i, value);
-            } else if residual.abs() > CONSISTENT {
-                return Err(Contradiction {
-                    observation: o,
-                    certain: posterior.mean[i],
-                    prior_deviation: self.standard_deviation(i),
-                });
+            let pivot = open.swap_remove(best);
+            let eliminated =
+                posterior
+                    .eliminate(&observations[pivot.index])
+                    .map_err(|certain| Contradiction {
+                        observation: pivot.index,
+                        certain,
+                        prior_deviation: pivot.prior,
+                    })?;
+            if eliminated && let Some(observed) = posterior.observed.last() {
+                open.iter_mut().for_each(|p| p.update(observed));
             }
         }
         Ok(posterior)
     }
 
-    /// The Mahalanobis distance of the values from the mean, in the marginal of their coordinates:
-    /// sqrt((b - A mu)^T (A Sigma A^T)^+ (b - A mu)). Values that are certain already add nothing.
-    pub(super) fn mahalanobis(&self, values: &[(usize, f64)]) -> f64 {
-        let rows: Vec<usize> = values.iter().map(|v| v.0).collect();
-        let marginal = self.factor.select_rows(&rows);
-        let deviation =
-            DVector::from_iterator(rows.len(), values.iter().map(|(i, b)| b - self.mean[*i]));
-        if rows.is_empty() || self.rank() == 0 {
-            return 0.0;
+    /// As [`condition`](Self::condition), in the order given: what a file needs to come back bit for bit.
+    pub(super) fn replay(
+        &self,
+        observations: Vec<LinearObservation>,
+    ) -> std::result::Result<Self, Contradiction> {
+        let mut posterior = self.clone();
+        for (index, observation) in observations.into_iter().enumerate() {
+            let prior_deviation = self.deviation_of(&observation.row);
+            posterior
+                .eliminate(&observation)
+                .map_err(|certain| Contradiction {
+                    observation: index,
+                    certain,
+                    prior_deviation,
+                })?;
         }
-        let least = NO_VARIANCE.max(DEPENDENT * marginal.norm());
-        // The shortest latent vector that leads there.
-        marginal
-            .svd(true, true)
-            .solve(&deviation, least)
-            .map_or(0.0, |z| z.norm())
+        Ok(posterior)
     }
 
-    fn fix(&mut self, i: usize, value: f64) {
-        let row = self.factor.row(i).transpose();
-        let norm = row.norm();
-        // The reflection I - 2 v v^T / v^T v takes the row to (-s |row|, 0, ..), s the sign of its first entry.
-        let sign = if row[0] < 0.0 { -1.0 } else { 1.0 };
-        let mut v = row;
-        v[0] += sign * norm;
-        let scale = 2.0 / v.norm_squared();
-        let product = &self.factor * &v;
-        self.factor.ger(-scale, &product, &v, 1.0);
-        let gain = self.factor.column(0) / (-sign * norm);
-        self.mean.axpy(value - self.mean[i], &gain, 1.0);
-        let rest = self.factor.ncols() - 1;
-        self.factor = self.factor.columns(1, rest).into_owned();
-        // What rounding left of the observed coordinate.
-        self.mean[i] = value;
-        self.factor.row_mut(i).fill(0.0);
+    /// Whether the observation told anything new; the only possible value where it contradicts.
+    fn eliminate(&mut self, observation: &LinearObservation) -> std::result::Result<bool, f64> {
+        let exact = observation.deviation == 0.0;
+        let prior = {
+            let mut a = vec![0.0; self.dimension()];
+            for (i, c) in &observation.row {
+                a[*i] += c;
+            }
+            let row = self.covariance.apply_transposed(&a);
+            dot(&row, &row).sqrt()
+        };
+        let residual = observation.value - self.mean_of(&observation.row);
+        let deviation = (!exact).then_some(observation.deviation);
+        let (mut latent, mut noise) = self.remaining(&observation.row, deviation);
+        let left = norm(&latent, &noise);
+        if exact && (left <= DEPENDENT * prior || left <= NO_VARIANCE) {
+            return if residual.abs() <= CONSISTENT * prior.max(1.0) {
+                Ok(false)
+            } else {
+                Err(self.mean_of(&observation.row))
+            };
+        }
+        latent.iter_mut().chain(&mut noise).for_each(|q| *q /= left);
+        let mut gain = vec![0.0; self.dimension()];
+        self.covariance.apply(&latent, &mut gain);
+        // What is known stays as it is, not only up to rounding.
+        for (i, _) in self.fixed() {
+            gain[i] = 0.0;
+        }
+        for (mean, u) in self.mean.iter_mut().zip(&gain) {
+            *mean += residual / left * u;
+        }
+        let observed = Observed {
+            observation: observation.clone(),
+            latent,
+            noise,
+            gain,
+        };
+        if let Some((i, value)) = observed.fixed() {
+            self.mean[i] = value;
+        }
+        self.observed.push(Arc::new(observed));
+        Ok(true)
+    }
+
+    /// The Mahalanobis distance of exact or inexact values from what is expected of them, given what is observed already:
+    /// sqrt((b - A mu)^T V^-1 (b - A mu)). Values that are certain already add nothing.
+    pub(super) fn mahalanobis(&self, observations: &[LinearObservation]) -> f64 {
+        let mut posterior = self.clone();
+        let mut squared = 0.0;
+        for observation in observations {
+            let residual = observation.value - posterior.mean_of(&observation.row);
+            let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
+            let (latent, noise) = posterior.remaining(&observation.row, deviation);
+            let left = norm(&latent, &noise);
+            if posterior.eliminate(observation) == Ok(true) {
+                squared += (residual / left).powi(2);
+            }
+        }
+        squared.sqrt()
+    }
+}
+
+fn norm(latent: &[f64], noise: &[f64]) -> f64 {
+    (dot(latent, latent) + dot(noise, noise)).sqrt()
+}
+
+/// An observation that waits: what those before it have left of its variance, kept up to date for the choice of the next.
+struct Pivot {
+    index: usize,
+    /// Standard deviation before any of them.
+    prior: f64,
+    latent: Vec<f64>,
+    noise: Vec<f64>,
+}
+
+impl Pivot {
+    fn new(gaussian: &Gaussian, index: usize, observation: &LinearObservation) -> Self {
+        let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
+        let (latent, noise) = gaussian.remaining(&observation.row, deviation);
+        Self {
+            index,
+            prior: norm(&latent, &noise),
+            latent,
+            noise,
+        }
+    }
+
+    fn share(&self) -> f64 {
+        norm(&self.latent, &self.noise) / self.prior.max(NO_VARIANCE)
+    }
+
+    fn update(&mut self, observed: &Observed) {
+        // Noise of others is none of this one's: their latent numbers are zero here.
+        let share = dot(&observed.latent, &self.latent);
+        subtract(&mut self.latent, share, &observed.latent);
     }
 }
 
@@ -219,45 +464,8 @@ impl Gaussian {
 pub(super) struct Contradiction {
     /// Which one.
     pub observation: usize,
-    /// The only value that is left for its coordinate.
+    /// The only value that is left for it.
     pub certain: f64,
-    /// The coordinate's standard deviation before any observation.
+    /// Its standard deviation before.
     pub prior_deviation: f64,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{dmatrix, dvector};
-
-    #[test]
-    fn maximum_likelihood_of_three_points_by_hand() {
-        let points = [dvector![1.0, 0.0], dvector![3.0, 3.0], dvector![5.0, 0.0]];
-        let gaussian = Gaussian::maximum_likelihood(&points).unwrap();
-        assert!((gaussian.mean() - dvector![3.0, 1.0]).norm() < 1e-15);
-        let expected = dmatrix![8.0 / 3.0, 0.0; 0.0, 2.0];
-        assert!((gaussian.covariance() - expected).norm() < 1e-14);
-        assert_eq!(gaussian.rank(), 2);
-    }
-
-    #[test]
-    fn conditioning_of_a_bivariate_normal_in_closed_form() {
-        // sd 2 and 1, correlation 0.6: mean of x1 given x0 = 3 is 0.6 * 1 * (3 - 1) / 2, variance 1 - 0.36.
-        let gaussian = Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
-        let posterior = gaussian.condition(&[(0, 3.0)]).unwrap();
-        assert_eq!(posterior.mean()[0], 3.0);
-        assert!((posterior.mean()[1] - 0.6).abs() < 1e-15);
-        assert!((posterior.covariance()[(1, 1)] - 0.64).abs() < 1e-15);
-        assert_eq!(posterior.standard_deviation(0), 0.0);
-    }
-
-    #[test]
-    fn repeated_observations_are_one_and_contradictions_are_found() {
-        let gaussian = Gaussian::new(dvector![1.0, 0.0], dmatrix![2.0, 0.0; 0.6, 0.8]).unwrap();
-        let once = gaussian.condition(&[(0, 3.0)]).unwrap();
-        assert_eq!(gaussian.condition(&[(0, 3.0), (0, 3.0)]).unwrap(), once);
-        assert_eq!(once.condition(&[(0, 3.0)]).unwrap(), once);
-        let contradiction = once.condition(&[(1, 0.5), (0, 3.1)]).unwrap_err();
-        assert_eq!((contradiction.observation, contradiction.certain), (1, 3.0));
-    }
 }

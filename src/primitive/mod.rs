@@ -1,27 +1,39 @@
 //! [`FourierMovementPrimitive`]: a distribution over waves, learned from demonstrations.
 
 mod chart;
+mod covariance;
+mod estimator;
 mod file;
 mod gaussian;
+mod kronecker;
+mod learn;
 mod normal;
 mod observation;
+mod scatter;
+mod start;
 
 use std::fmt;
 
+use nalgebra::DVector;
 use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
-pub use chart::LogPolar;
-pub use gaussian::Gaussian;
-pub use observation::{Coordinate, Observation};
+pub use chart::{LogPolar, OffsetForm, PhaseForm};
+pub use covariance::Covariance;
+pub use estimator::{Estimator, HeldOut};
+pub use gaussian::{Gaussian, LinearObservation};
+pub use kronecker::Kronecker;
+pub use learn::{LearnOptions, OffsetEvidence, Offsets};
+pub use observation::{Coordinate, Harmonic, Observation, Quantity};
+pub use start::Start;
 
-use crate::demonstration::Demonstrations;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
+use gaussian::Contradiction;
 
-/// Beyond exp of this, a weight or its derivative may overflow.
-const LARGEST_LOGARITHM: f64 = 300.0;
+/// A draw farther from the mean than this many standard deviations has a probability below 1e-300.
+const FARTHEST: f64 = 38.0;
 
 /// A Gaussian over the log moduli, phases and offsets of waves
 /// (Panteris, Manschitz and Calinon, "Learning, Generating and Adapting Wave Gestures for Expressive Human-Robot
@@ -46,30 +58,6 @@ pub struct FourierMovementPrimitive {
 }
 
 impl FourierMovementPrimitive {
-    /// Learns from demonstrations with harmonics 0..=K: least squares, log-polar chart, maximum likelihood (Algorithm 1).
-    ///
-    /// # Errors
-    /// Those of [`Demonstrations::fit`] and [`from_waves`](Self::from_waves).
-    pub fn learn(demonstrations: &Demonstrations, harmonics: usize) -> Result<Self> {
-        Self::from_waves(&demonstrations.fit(harmonics)?)
-    }
-
-    /// Learns from waves that are fitted already.
-    ///
-    /// # Errors
-    /// When there are fewer than two, or they differ in joints, period or harmonics.
-    pub fn from_waves(waves: &[Wave]) -> Result<Self> {
-        let Some(first) = waves.first() else {
-            return Err(Error::new(ErrorKind::Shape, "no waves").expected("at least two"));
-        };
-        let chart = LogPolar::of(first);
-        let vectors = waves
-            .iter()
-            .map(|wave| chart.vector(wave))
-            .collect::<Result<Vec<_>>>()?;
-        Self::new(chart, Gaussian::maximum_likelihood(&vectors)?)
-    }
-
     /// A primitive of a given Gaussian in a chart.
     ///
     /// # Errors
@@ -82,25 +70,45 @@ impl FourierMovementPrimitive {
             )
             .expected(format!("{}, 2 D K + D", chart.dimension())));
         }
-        // So that a draw is a wave, whatever the random numbers.
+        let prior = gaussian.prior_covariance();
         for i in 0..gaussian.dimension() {
-            if gaussian.mean()[i].abs() + gaussian.reach(i) > LARGEST_LOGARITHM {
+            let deviation = prior.variance(i).sqrt();
+            let farthest = gaussian.prior_mean()[i].abs() + FARTHEST * deviation;
+            // A number that is none is refused as well.
+            if !(farthest <= chart.limit(i)) {
                 let place = chart
                     .coordinate(i)
                     .map_or_else(String::new, |c| c.to_string());
                 return Err(Error::new(
                     ErrorKind::Value,
                     format!(
-                        "mean {} with standard deviation {} can overflow",
-                        gaussian.mean()[i],
-                        gaussian.standard_deviation(i)
+                        "mean {} with standard deviation {deviation} can overflow",
+                        gaussian.prior_mean()[i],
                     ),
                 )
                 .help("check the units of the demonstrations, or leave out what does not belong to them")
                 .at(place));
             }
         }
-        Ok(Self { chart, gaussian })
+        Self { chart, gaussian }.within_bounds()
+    }
+
+    /// If no observation has moved the mean to where a weight may overflow.
+    fn within_bounds(self) -> Result<Self> {
+        let mean = self.gaussian.mean();
+        match (0..mean.len()).find(|i| !(mean[*i].abs() <= self.chart.limit(*i))) {
+            None => Ok(self),
+            Some(i) => Err(Error::new(
+                ErrorKind::Infeasible,
+                format!("the conditions move a coordinate to {:.1e}", mean[i]),
+            )
+            .expected(format!("at most {}", self.chart.limit(i)))
+            .help("ask for values nearer to the demonstrations, or with a standard deviation")
+            .at(self
+                .chart
+                .coordinate(i)
+                .map_or_else(String::new, |c| c.to_string()))),
+        }
     }
 
     /// Joints, period, harmonics, and where each coordinate stands.
@@ -113,96 +121,153 @@ impl FourierMovementPrimitive {
         &self.gaussian
     }
 
-    /// The primitive given exact values of some coordinates (equation (2)); any number of them, in any order.
+    /// The primitive given values of some coordinates, exact or with standard deviations (equation (2)); any number of them, in any order.
     ///
     /// # Errors
-    /// When a coordinate does not exist, a value is no value of its quantity, or it contradicts what is certain already:
+    /// When a coordinate does not exist, a value is no value of its quantity, or an exact one contradicts what is certain already:
     /// other observations, or, at rank M - 1, the demonstrations themselves.
     pub fn condition(&self, observations: &[Observation]) -> Result<Self> {
-        let rows = self.rows(observations)?;
-        for (i, row) in rows.iter().enumerate() {
-            if rows[..i]
-                .iter()
-                .any(|other| other.0 == row.0 && other.1 != row.1)
-            {
+        let linear = self.linear(observations)?;
+        for (i, one) in linear.iter().enumerate() {
+            let twice = |other: &LinearObservation| {
+                other.row == one.row
+                    && other.value != one.value
+                    && other.deviation == 0.0
+                    && one.deviation == 0.0
+            };
+            if linear[..i].iter().any(twice) {
                 return Err(Error::new(
                     ErrorKind::Infeasible,
                     "given twice, with different values",
                 )
-                .at(format!("condition {}", observations[i].coordinate)));
+                .at(format!("condition {}", observations[i])));
             }
         }
-        let gaussian = self.gaussian.condition(&rows).map_err(|c| {
-            let observation = &observations[c.observation];
-            let certain = observation.coordinate.value(c.certain);
-            Error::new(
-                ErrorKind::Infeasible,
-                format!(
-                    "{:.4} deg contradicts what is certain already, {:.4} deg (a difference of {:.3e} rad)",
-                    observation.value.to_degrees(),
-                    certain.to_degrees(),
-                    observation.value - certain
-                ),
-            )
-            .expected("a value that the other conditions and the demonstrations leave open")
-            .help(format!(
-                "the model varies in {} directions (demonstrations less one, less earlier conditions), this coordinate by a standard deviation of {:.3e}: drop a condition, or learn from more demonstrations",
-                self.gaussian.rank(),
-                c.prior_deviation
-            ))
-            .at(format!("condition {}", observation.coordinate))
-        })?;
-        Self::new(self.chart.clone(), gaussian)
+        let gaussian = self
+            .gaussian
+            .condition(&linear)
+            .map_err(|c| self.refused(&observations[c.observation], &linear[c.observation], &c))?;
+        Self {
+            chart: self.chart.clone(),
+            gaussian,
+        }
+        .within_bounds()
     }
 
-    /// How far the values lie from the mean of the primitive, in standard deviations (Mahalanobis distance of the observed
-    /// coordinates together). Log moduli extrapolate exponentially: far beyond 3 for one value, or 3 sqrt(m) for m of
+    fn refused(
+        &self,
+        observation: &Observation,
+        linear: &LinearObservation,
+        contradiction: &Contradiction,
+    ) -> Error {
+        let told = |charted: f64| match &observation.quantity {
+            Quantity::One(coordinate) => {
+                let value = self.chart.value(coordinate, charted).unwrap_or(charted);
+                if coordinate.is_angle() {
+                    format!("{:.4} deg", value.to_degrees())
+                } else {
+                    format!("{value:.4}")
+                }
+            }
+            Quantity::Sum(_) => format!("{charted:.4}"),
+        };
+        let what = if contradiction.prior_deviation > 0.0 {
+            "contradicts what is certain already"
+        } else {
+            "lies in a direction without variance"
+        };
+        Error::new(
+            ErrorKind::Infeasible,
+            format!(
+                "{} {what}, {} (a residual of {:.3e} as it stands in the vector)",
+                told(linear.value),
+                told(contradiction.certain),
+                linear.value - contradiction.certain
+            ),
+        )
+        .expected("a value that the other conditions and the demonstrations leave open")
+        .help(format!(
+            "the model varies in {} directions, this quantity by a standard deviation of {:.3e} before: drop a condition, give it a standard deviation (`+-1deg`), or learn with another estimator or from more demonstrations",
+            self.gaussian.rank(),
+            contradiction.prior_deviation
+        ))
+        .at(format!("condition {observation}"))
+    }
+
+    /// How far the values lie from what the primitive expects of them, in standard deviations (Mahalanobis distance of the observed
+    /// quantities together). Log moduli extrapolate exponentially: far beyond 3 for one value, or 3 sqrt(m) for m of
     /// them, what the rest of the wave becomes is no longer what the demonstrations showed.
     ///
     /// # Errors
     /// When a coordinate does not exist or a value is no value of its quantity.
     pub fn mahalanobis(&self, observations: &[Observation]) -> Result<f64> {
-        Ok(self.gaussian.mahalanobis(&self.rows(observations)?))
+        Ok(self.gaussian.mahalanobis(&self.linear(observations)?))
     }
 
-    /// Index and charted value of each observation.
-    fn rows(&self, observations: &[Observation]) -> Result<Vec<(usize, f64)>> {
+    /// The observations over the vector of the chart.
+    fn linear(&self, observations: &[Observation]) -> Result<Vec<LinearObservation>> {
         observations
             .iter()
             .map(|o| {
-                let index = self.chart.index(&o.coordinate);
-                let index = index.map_err(|e| e.at(format!("condition {}", o.coordinate)))?;
-                let value = o.charted()?;
-                // As far from the overflow as a learned mean must be.
-                if value.abs() > LARGEST_LOGARITHM {
-                    return Err(
-                        Error::new(ErrorKind::Value, format!("value is {}", o.value))
-                            .at(o.coordinate.to_string()),
-                    );
-                }
-                Ok((index, value))
+                o.linear(&self.chart)
+                    .map_err(|e| e.at(format!("condition {}", o.quantity)))
             })
             .collect()
+    }
+
+    /// The median of a coordinate: rad, or a plain number for a ratio.
+    ///
+    /// # Errors
+    /// When the coordinate does not exist.
+    pub fn median(&self, coordinate: &Coordinate) -> Result<f64> {
+        let row = self.chart.row(coordinate)?;
+        self.chart.value(coordinate, self.gaussian.mean_of(&row))
+    }
+
+    /// Standard deviation of a coordinate as it stands in the vector: of the logarithm of a modulus or a ratio, of an angle \[rad\].
+    ///
+    /// # Errors
+    /// When the coordinate does not exist.
+    pub fn standard_deviation(&self, coordinate: &Coordinate) -> Result<f64> {
+        Ok(self.gaussian.deviation_of(&self.chart.row(coordinate)?))
+    }
+
+    /// Correlation of two coordinates as they stand in the vector; 0 where one does not vary.
+    ///
+    /// # Errors
+    /// When a coordinate does not exist.
+    pub fn correlation(&self, one: &Coordinate, other: &Coordinate) -> Result<f64> {
+        let (a, b) = (self.chart.row(one)?, self.chart.row(other)?);
+        let scale = self.gaussian.deviation_of(&a) * self.gaussian.deviation_of(&b);
+        if scale > 0.0 {
+            Ok(self.gaussian.covariance_of(&a, &b) / scale)
+        } else {
+            Ok(0.0)
+        }
     }
 
     /// exp(mu) of |w_{d,k}| \[rad\]: the median modulus.
     ///
     /// # Errors
     /// When the joint or harmonic does not exist.
-    pub fn median_modulus(&self, joint: &str, harmonic: usize) -> Result<f64> {
-        let joint = joint.to_owned();
-        let index = self.chart.index(&Coordinate::Modulus { joint, harmonic })?;
-        Ok(libm::exp(self.gaussian.mean()[index]))
+    pub fn median_modulus(&self, joint: &str, harmonic: impl Into<Harmonic>) -> Result<f64> {
+        self.median(&Coordinate::modulus(joint, harmonic))
     }
 
     /// The wave at the mean of the Gaussian: median moduli, mean phases and offsets.
     pub fn mean_wave(&self) -> Wave {
-        self.wave(self.gaussian.mean())
+        self.wave(self.gaussian.mean().clone())
     }
 
-    fn wave(&self, x: &nalgebra::DVector<f64>) -> Wave {
+    /// The wave of a draw.
+    fn wave(&self, mut x: DVector<f64>) -> Wave {
+        // Keeps every draw a wave; it acts beyond FARTHEST standard deviations.
+        for (i, x) in x.iter_mut().enumerate() {
+            let limit = self.chart.limit(i);
+            *x = x.clamp(-limit, limit);
+        }
         self.chart
-            .wave(x)
+            .wave(&x)
             .expect("`new` admits only Gaussians whose every draw is a wave")
     }
 }
@@ -222,7 +287,7 @@ impl fmt::Debug for FourierMovementPrimitive {
 /// Draws waves; the same generator state gives the same wave on every machine.
 impl Distribution<Wave> for FourierMovementPrimitive {
     fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> Wave {
-        self.wave(&self.gaussian.sample(rng))
+        self.wave(self.gaussian.sample(rng))
     }
 }
 

@@ -73,11 +73,7 @@ pub fn gaussian(
     );
     let n = samples.len() as f64;
     // A column of zeros changes nothing, and a matrix without columns has no decomposition.
-    let svd = gaussian
-        .factor()
-        .clone()
-        .insert_column(0, 0.0)
-        .svd(true, false);
+    let svd = gaussian.factor().insert_column(0, 0.0).svd(true, false);
     let u = svd.u.expect("asked for");
     let largest = svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())

@@ -18,7 +18,7 @@ use crate::collision::CollisionModel;
 use crate::demonstration::{Demonstrations, synthetic};
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure::Picture;
-use crate::primitive::{FourierMovementPrimitive, Observation};
+use crate::primitive::{FourierMovementPrimitive, LearnOptions, Observation};
 use crate::shipped;
 
 const ELBOW: &str = "elbow_flexion";
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let bar = output::progress(6, "learning");
     let demonstrations = synthetic(arguments.seed)?;
     let fits = demonstrations.fit(HARMONICS)?;
-    let primitive = FourierMovementPrimitive::from_waves(&fits)?;
+    let primitive = FourierMovementPrimitive::from_waves(&fits, &LearnOptions::paper())?;
     let robot = shipped::robot("wave_arm")?;
     let collision = CollisionModel::new(&robot, &[])?;
     let map = shipped::map("wave_arm_demonstrator")?;
@@ -127,7 +127,7 @@ fn report(
         .iter()
         .map(|case| {
             Ok(json!({
-                "condition": case.observation.coordinate.to_string(),
+                "condition": case.observation.quantity.to_string(),
                 "value_deg": case.observation.value.to_degrees(),
                 "median_moduli_deg": spectrum(&case.primitive)?,
                 "waves": case.waves.len(),

@@ -1,0 +1,106 @@
+//! The Kronecker target: few numbers for the correlation of many coordinates.
+
+use nalgebra::DMatrix;
+
+use crate::error::Result;
+use crate::primitive::covariance::dot;
+use crate::primitive::{Kronecker, LogPolar};
+
+/// Eigenvalues of a pooled correlation matrix below this are raised to it.
+const LEAST_EIGENVALUE: f64 = 0.02;
+
+/// No neighbouring harmonics are correlated more.
+const LARGEST_DECAY: f64 = 0.95;
+
+/// Standardised coordinates of one kind: `groups` joints, `length` harmonics each.
+struct Kind {
+    start: usize,
+    groups: usize,
+    length: usize,
+}
+
+fn kinds(chart: &LogPolar) -> [Kind; 3] {
+    let (phases, offsets) = chart.starts();
+    let (groups, length) = (chart.joints().len(), chart.harmonics());
+    let kind = |start, length| Kind {
+        start,
+        groups,
+        length,
+    };
+    [kind(0, length), kind(phases, length), kind(offsets, 1)]
+}
+
+/// Blocks of correlation A (x) AR(1) for log moduli, for phases, and one for offsets (without harmonics), nothing between them, from `directions` (M x n, unit
+/// columns, or zero where a coordinate takes no part) times `scales` (n).
+///
+/// A is pooled over the harmonics, rho is the pooled correlation of neighbouring harmonics; the correlation of the offsets is shrunk by OAS. O(D^2)
+/// numbers in all.
+pub(super) fn blocks(
+    chart: &LogPolar,
+    directions: &DMatrix<f64>,
+    scales: &[f64],
+) -> Result<Vec<Kronecker>> {
+    let count = directions.nrows();
+    let column = |i: usize| &directions.as_slice()[i * count..][..count];
+    let is_active = |i: usize| dot(column(i), column(i)) > 0.0;
+    kinds(chart)
+        .into_iter()
+        .filter(|kind| (kind.start..kind.start + kind.groups * kind.length).any(is_active))
+        .map(|kind| {
+            let at = |d: usize, k: usize| kind.start + d * kind.length + k;
+            let pooled = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+                let (mut sum, mut number) = (0.0, 0);
+                for (i, j) in pairs.filter(|(i, j)| is_active(*i) && is_active(*j)) {
+                    sum += dot(column(i), column(j));
+                    number += 1;
+                }
+                if number > 0 {
+                    sum / f64::from(number)
+                } else {
+                    0.0
+                }
+            };
+            let mut correlation = DMatrix::identity(kind.groups, kind.groups);
+            for d in 0..kind.groups {
+                for e in 0..d {
+                    let pooled = pooled(&mut (0..kind.length).map(|k| (at(d, k), at(e, k))));
+                    correlation[(d, e)] = pooled;
+                    correlation[(e, d)] = pooled;
+                }
+            }
+            if kind.length == 1 {
+                let weight = super::oas_weight(&correlation, count);
+                let diagonal = DMatrix::identity(kind.groups, kind.groups);
+                correlation = correlation * (1.0 - weight) + diagonal * weight;
+            }
+            let neighbours = &mut (0..kind.groups)
+                .flat_map(|d| (1..kind.length).map(move |k| (d, k)))
+                .map(|(d, k)| (at(d, k - 1), at(d, k)));
+            let decay = pooled(neighbours).clamp(-LARGEST_DECAY, LARGEST_DECAY);
+            let scales = &scales[kind.start..][..kind.groups * kind.length];
+            let active = scales
+                .iter()
+                .enumerate()
+                .map(|(i, s)| if is_active(kind.start + i) { *s } else { 0.0 });
+            Kronecker::new(kind.start, positive(correlation), decay, active.collect())
+        })
+        .collect()
+}
+
+/// The correlation matrix with its small and negative eigenvalues raised: pooling over pairs of which some take no part may leave such.
+fn positive(correlation: DMatrix<f64>) -> DMatrix<f64> {
+    let mut eigen = correlation.symmetric_eigen();
+    eigen
+        .eigenvalues
+        .iter_mut()
+        .for_each(|l| *l = l.max(LEAST_EIGENVALUE));
+    let raised = eigen.recompose();
+    DMatrix::from_fn(raised.nrows(), raised.ncols(), |i, j| {
+        if i == j {
+            return 1.0;
+        }
+        // From one triangle, so that it is symmetric to the last bit.
+        let (i, j) = (i.max(j), i.min(j));
+        raised[(i, j)] / (raised[(i, i)] * raised[(j, j)]).sqrt()
+    })
+}
