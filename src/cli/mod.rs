@@ -2,6 +2,7 @@
 
 mod assumptions;
 mod check;
+mod compare_estimators;
 mod condition;
 mod learn;
 mod map;
@@ -45,6 +46,7 @@ struct Cli {
 enum Verb {
     Reproduce(reproduce::Arguments),
     Learn(learn::Arguments),
+    CompareEstimators(compare_estimators::Arguments),
     Condition(condition::Arguments),
     Sample(sample::Arguments),
     Check(check::Arguments),
@@ -65,6 +67,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.verb {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
+        Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),

@@ -8,11 +8,17 @@ use super::covariance::dot;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 
+/// Of a demonstration: what all others together must be worth.
+const ALONE: f64 = 1e-3;
+
+/// Of a squared resultant: ln of it is that of a uniform angle.
+const SHORTEST: f64 = 1e-12;
+
 /// Probability with which a phase that is uniform is taken for one that is not.
 const UNIFORMITY_LEVEL: f64 = 0.05;
 
-/// Below this effective number of demonstrations no spread whatever would reject uniformity at that level: there is no test.
-const FEWEST_FOR_TEST: f64 = 3.0;
+/// Of fewer demonstrations than this no spread whatever would reject uniformity at that level: there is no test.
+const FEWEST_FOR_TEST: usize = 3;
 
 /// The standard deviation \[rad\] of a phase that is uniform: wrapped, such a normal density is uniform to 6e-9.
 pub(super) const UNIFORM: f64 = std::f64::consts::TAU;
@@ -23,10 +29,11 @@ const STILL: f64 = 1e-12;
 /// Mean, standard deviation and direction of each of n coordinates over M waves.
 ///
 /// The correlation of coordinates i and j is the product of their directions, unit vectors in R^M (zero for what does not vary). For an angle
-/// with weights v_m (amplitudes: at zero amplitude there is no phase), sum 1, and resultant R = |sum v_m exp(i phi_m)|, the mean is the direction of the resultant, the
-/// standard deviation sqrt(-2 ln R) (Mardia and Jupp, Directional Statistics, 2000, section 2.3.1), the direction that of sqrt(v_m) delta_m
-/// with delta_m the deviation in (-pi, pi]. Where Rayleigh's test (section 6.3.1), on 1 / sum v_m^2 effective demonstrations, does not reject it,
-/// the angle is uniform: on its own, and with a standard deviation of a whole turn.
+/// with weights v_m (amplitudes: at zero amplitude there is no phase), sum 1, effective number N = 1 / sum v_m^2 and resultant
+/// R = |sum v_m exp(i phi_m)|, the mean is the direction of the resultant and the direction that of sqrt(v_m) delta_m, delta_m the deviation in
+/// (-pi, pi]. Its variance is -ln R'^2, that of the wrapped normal with this resultant (Mardia and Jupp, Directional Statistics, 2000,
+/// section 3.5.7), with R'^2 = (N R^2 - 1) / (N - 1), which is free of the bias that a random walk of N steps gives R^2. Where Rayleigh's test
+/// (section 6.3.1) on N demonstrations does not reject it, the angle is uniform: on its own, with a standard deviation of a whole turn.
 pub(super) struct Scatter {
     pub chart: LogPolar,
     pub mean: DVector<f64>,
@@ -124,7 +131,9 @@ impl Scatter {
         let effective = 1.0 / dot(&shares, &shares);
         // 1 for angles that are all the same, but for rounding.
         let length = resultant.norm().min(1.0);
-        if effective >= FEWEST_FOR_TEST && (-effective * length * length).exp() > UNIFORMITY_LEVEL {
+        if values.len() >= FEWEST_FOR_TEST
+            && (-effective * length * length).exp() > UNIFORMITY_LEVEL
+        {
             self.uniform.push(i);
             return;
         }
@@ -133,7 +142,15 @@ impl Scatter {
             .zip(&shares)
             .map(|(phase, share)| share.sqrt() * principal(phase - centre))
             .collect();
-        self.set_direction(i, &scaled, (-2.0 * length.ln()).max(0.0).sqrt());
+        let others = effective - 1.0;
+        if others < ALONE {
+            // One demonstration alone has this harmonic: it tells where the phase is, and nothing of its spread.
+            self.uniform.push(i);
+            return;
+        }
+        // Rounding may exceed 1 for angles that are all the same.
+        let square = ((effective * length * length - 1.0) / others).clamp(SHORTEST, 1.0);
+        self.set_direction(i, &scaled, (-square.ln()).sqrt());
     }
 
     fn set_direction(&mut self, i: usize, deviations: &[f64], spread: f64) {

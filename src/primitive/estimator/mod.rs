@@ -74,7 +74,7 @@ impl Estimator {
             Self::LedoitWolf => diagonal(ledoit_wolf_weight(scatter)),
             Self::Oas => {
                 let gram = &scatter.directions * c.clone();
-                diagonal(oas(&gram, (0..n).map(active).sum(), scatter.count()))
+                diagonal(oas(&gram, (0..n).map(active).sum(), scatter.count() as f64))
             }
         }
     }
@@ -134,8 +134,8 @@ fn ledoit_wolf_weight(scatter: &Scatter) -> f64 {
 }
 
 /// OAS for a correlation matrix C of p coordinates from its Gram matrix (same trace, same norm).
-fn oas(gram: &DMatrix<f64>, p: f64, count: usize) -> f64 {
-    let (trace, square, n) = (gram.trace(), gram.norm_squared(), count as f64);
+fn oas(gram: &DMatrix<f64>, p: f64, n: f64) -> f64 {
+    let (trace, square) = (gram.trace(), gram.norm_squared());
     let numerator = (1.0 - 2.0 / p) * square + trace * trace;
     let denominator = (n + 1.0 - 2.0 / p) * (square - trace * trace / p);
     if denominator <= 0.0 {
@@ -143,10 +143,6 @@ fn oas(gram: &DMatrix<f64>, p: f64, count: usize) -> f64 {
     } else {
         (numerator / denominator).min(1.0)
     }
-}
-
-fn oas_weight(correlation: &DMatrix<f64>, count: usize) -> f64 {
-    oas(correlation, correlation.nrows() as f64, count)
 }
 
 impl fmt::Display for Estimator {

@@ -33,8 +33,7 @@ fn kinds(chart: &LogPolar) -> [Kind; 3] {
 /// Blocks of correlation A (x) AR(1) for log moduli, for phases, and one for offsets (without harmonics), nothing between them, from `directions` (M x n, unit
 /// columns, or zero where a coordinate takes no part) times `scales` (n).
 ///
-/// A is pooled over the harmonics, rho is the pooled correlation of neighbouring harmonics; the correlation of the offsets is shrunk by OAS. O(D^2)
-/// numbers in all.
+/// A is pooled over the harmonics and shrunk by OAS, rho is the pooled correlation of neighbouring harmonics: O(D^2) numbers in all.
 pub(super) fn blocks(
     chart: &LogPolar,
     directions: &DMatrix<f64>,
@@ -68,11 +67,14 @@ pub(super) fn blocks(
                     correlation[(e, d)] = pooled;
                 }
             }
-            if kind.length == 1 {
-                let weight = super::oas_weight(&correlation, count);
-                let diagonal = DMatrix::identity(kind.groups, kind.groups);
-                correlation = correlation * (1.0 - weight) + diagonal * weight;
-            }
+            // As many demonstrations of the joints' correlation as there are harmonics that tell of it.
+            let active = (kind.start..kind.start + kind.groups * kind.length)
+                .filter(|i| is_active(*i))
+                .count();
+            let samples = count as f64 * (active as f64 / kind.groups as f64).max(1.0);
+            let weight = super::oas(&correlation, kind.groups as f64, samples);
+            let diagonal = DMatrix::identity(kind.groups, kind.groups);
+            correlation = correlation * (1.0 - weight) + diagonal * weight;
             let neighbours = &mut (0..kind.groups)
                 .flat_map(|d| (1..kind.length).map(move |k| (d, k)))
                 .map(|(d, k)| (at(d, k - 1), at(d, k)));
