@@ -136,7 +136,7 @@ pub use geometry::{Shape, Solid};
 pub use primitive::{
     Coordinate, Covariance, Estimator, FourierMovementPrimitive, Gaussian, Harmonic, HeldOut,
     Kronecker, LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm,
-    Offsets, PhaseForm, Quantity, Start, stream,
+    Offsets, PhaseForm, Quantity, Start, StartSpread, TrajectoryMoments, stream,
 };
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};

@@ -7,6 +7,7 @@ mod file;
 mod gaussian;
 mod kronecker;
 mod learn;
+mod moments;
 mod normal;
 mod observation;
 mod scatter;
@@ -25,6 +26,7 @@ pub use estimator::{Estimator, HeldOut};
 pub use gaussian::{Gaussian, LinearObservation};
 pub use kronecker::Kronecker;
 pub use learn::{LearnOptions, OffsetEvidence, Offsets};
+pub use moments::{StartSpread, TrajectoryMoments};
 pub use observation::{Coordinate, Harmonic, Observation, Quantity};
 pub use start::Start;
 

@@ -1,0 +1,408 @@
+//! [`TrajectoryMoments`]: mean and covariance of y(t), in closed form.
+
+use nalgebra::{DMatrix, DMatrixView, DVector};
+use num_complex::Complex;
+
+use super::{FourierMovementPrimitive, LogPolar, OffsetForm};
+use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::{Derivative, Joints};
+
+/// How far the start of a wave varies in time, independently of all else.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum StartSpread {
+    /// Not at all: it starts where the primitive says.
+    #[default]
+    None,
+    /// Anywhere in the period.
+    Uniform,
+    /// Normally, with this standard deviation \[s\].
+    Normal(f64),
+}
+
+impl StartSpread {
+    /// E exp(i q w delta) for a delay delta.
+    fn characteristic(self, q: f64, w: f64) -> f64 {
+        match self {
+            Self::None => 1.0,
+            Self::Uniform => f64::from(u8::from(q == 0.0)),
+            Self::Normal(deviation) => (-0.5 * (q * w * deviation).powi(2)).exp(),
+        }
+    }
+}
+
+/// The first two moments of the trajectories of a primitive.
+///
+/// y(t) is no Gaussian, but it is linear in the weights, and theirs are those of complex log-normal numbers. With complex rows a such that ln w_j = a_j^T x,
+///
+/// ```text
+/// E w_j                    = exp(a_j^T mu + a_j^T Sigma a_j / 2)
+/// Cov(w_j, w_k), E w conj w = E w_j conj(E w_k) expm1(a_j^T Sigma conj(a_k))
+/// pseudo-covariance, E w w  = E w_j E w_k expm1(a_j^T Sigma a_k)
+/// ```
+///
+/// (moment generating function of the normal distribution); signed offsets are linear in x, and Cov(a^T x, w_k) = a^T Sigma a_k E w_k (Stein's lemma). A start
+/// that is delayed by an independent delta multiplies E w_k by f(k), E w_j conj(w_k) by f(j - k) and E w_j w_k by f(j + k), f(q) = E exp(i q w delta).
+///
+/// Exact for unbounded draws of the primitive; draws that are rejected (for a robot's limits, say) have other moments. The tails are those of
+/// log-normal numbers: far heavier than a Gaussian's.
+///
+/// ```
+/// use undulate::{Derivative, FourierMovementPrimitive, StartSpread, synthetic};
+///
+/// let primitive = FourierMovementPrimitive::learn(&synthetic(0)?, 25)?;
+/// let moments = primitive.moments(StartSpread::None)?;
+/// let (mean, band) = (moments.mean(1.2, Derivative::Position), moments.standard_deviation(1.2, Derivative::Position));
+/// println!("elbow: {:.2} +- {:.2} rad", mean[3], band[3]);
+/// # Ok::<(), undulate::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrajectoryMoments {
+    joints: Joints,
+    period: f64,
+    /// Entries a joint: w_0, Re w_1, Im w_1, Re w_2, ..
+    length: usize,
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// One Fourier weight of one joint, as a function of x.
+struct Weight {
+    harmonic: usize,
+    /// Where its real part stands in the vector of real numbers.
+    at: usize,
+    kind: Kind,
+}
+
+enum Kind {
+    /// x_i.
+    Linear(usize),
+    /// sign exp(x_l + i x_p): index of the logarithm and of the phase, and E.
+    Exponential {
+        logarithm: usize,
+        phase: Option<usize>,
+        mean: Complex<f64>,
+    },
+}
+
+impl FourierMovementPrimitive {
+    /// Mean and covariance of the trajectories, with a spread of the start on top of the primitive's own.
+    ///
+    /// # Errors
+    /// When a variance is so large that a moment overflows, or the spread is no number.
+    pub fn moments(&self, start: StartSpread) -> Result<TrajectoryMoments> {
+        if let StartSpread::Normal(deviation) = start
+            && !(deviation >= 0.0 && deviation.is_finite())
+        {
+            return Err(Error::new(
+                ErrorKind::Setting,
+                format!("a start that spreads by {deviation} s"),
+            )
+            .expected("a standard deviation in seconds"));
+        }
+        let chart = self.chart();
+        let sigma = absolute(chart, self.gaussian().covariance());
+        let mut mu = self.gaussian().mean().clone();
+        let (phases, offsets) = chart.starts();
+        chart
+            .phases()
+            .absolute(&mut mu.as_mut_slice()[phases..offsets]);
+        let weights = weights(chart, &mu, &sigma);
+        let w = std::f64::consts::TAU / chart.period();
+        let f = |q: f64| start.characteristic(q, w);
+
+        let length = 2 * chart.harmonics() + 1;
+        let size = chart.joints().len() * length;
+        let mut mean = DVector::zeros(size);
+        let mut covariance = DMatrix::zeros(size, size);
+        for (j, one) in weights.iter().enumerate() {
+            let middle = match one.kind {
+                Kind::Linear(i) => Complex::from(mu[i]),
+                Kind::Exponential { mean, .. } => mean * f(one.harmonic as f64),
+            };
+            mean[one.at] = middle.re;
+            if one.harmonic > 0 {
+                mean[one.at + 1] = middle.im;
+            }
+            for other in &weights[..=j] {
+                let (hermitian, pseudo) = pair(one, other, &sigma, f);
+                let mut set = |i: usize, j: usize, value: f64| {
+                    covariance[(i, j)] = value;
+                    covariance[(j, i)] = value;
+                };
+                let (a, b) = (one.at, other.at);
+                set(a, b, (hermitian + pseudo).re / 2.0);
+                if other.harmonic > 0 {
+                    set(a, b + 1, (pseudo - hermitian).im / 2.0);
+                }
+                if one.harmonic > 0 {
+                    set(a + 1, b, (pseudo + hermitian).im / 2.0);
+                }
+                if one.harmonic > 0 && other.harmonic > 0 {
+                    set(a + 1, b + 1, (hermitian - pseudo).re / 2.0);
+                }
+            }
+        }
+        if covariance.iter().any(|c| !c.is_finite()) {
+            return Err(Error::new(
+                ErrorKind::Infeasible,
+                "the variance of a log modulus is so large that moments overflow",
+            )
+            .help("condition on the amplitude, or learn from more demonstrations"));
+        }
+        Ok(TrajectoryMoments {
+            joints: chart.joints().clone(),
+            period: chart.period(),
+            length,
+            mean,
+            covariance,
+        })
+    }
+}
+
+/// Sigma of x with every phase absolute.
+fn absolute(chart: &LogPolar, mut sigma: DMatrix<f64>) -> DMatrix<f64> {
+    let (phases, offsets) = chart.starts();
+    for mut column in sigma.column_iter_mut() {
+        chart
+            .phases()
+            .absolute(&mut column.as_mut_slice()[phases..offsets]);
+    }
+    sigma.transpose_mut();
+    for mut column in sigma.column_iter_mut() {
+        chart
+            .phases()
+            .absolute(&mut column.as_mut_slice()[phases..offsets]);
+    }
+    sigma
+}
+
+/// Joint by joint, offset first.
+fn weights(chart: &LogPolar, mu: &DVector<f64>, sigma: &DMatrix<f64>) -> Vec<Weight> {
+    let (phases, offsets) = chart.starts();
+    let harmonics = chart.harmonics();
+    let mut weights = Vec::with_capacity(chart.joints().len() * (harmonics + 1));
+    for d in 0..chart.joints().len() {
+        let at = d * (2 * harmonics + 1);
+        let i = offsets + d;
+        let sign = match chart.offset_forms()[d] {
+            OffsetForm::Signed => None,
+            OffsetForm::Positive => Some(1.0),
+            OffsetForm::Negative => Some(-1.0),
+        };
+        weights.push(Weight {
+            harmonic: 0,
+            at,
+            kind: sign.map_or(Kind::Linear(i), |sign| Kind::Exponential {
+                logarithm: i,
+                phase: None,
+                mean: Complex::from(sign * (mu[i] + sigma[(i, i)] / 2.0).exp()),
+            }),
+        });
+        for k in 1..=harmonics {
+            let l = d * harmonics + k - 1;
+            let p = phases + l;
+            let exponent = Complex::new(
+                mu[l] + (sigma[(l, l)] - sigma[(p, p)]) / 2.0,
+                mu[p] + sigma[(l, p)],
+            );
+            weights.push(Weight {
+                harmonic: k,
+                at: at + 2 * k - 1,
+                kind: Kind::Exponential {
+                    logarithm: l,
+                    phase: Some(p),
+                    mean: exponent.exp(),
+                },
+            });
+        }
+    }
+    weights
+}
+
+/// Covariance E a conj(b) - E a conj(E b) and pseudo-covariance E a b - E a E b of two weights, start included.
+fn pair(
+    one: &Weight,
+    other: &Weight,
+    sigma: &DMatrix<f64>,
+    f: impl Fn(f64) -> f64,
+) -> (Complex<f64>, Complex<f64>) {
+    let at = |i: Option<usize>, j: Option<usize>| match (i, j) {
+        (Some(i), Some(j)) => sigma[(i, j)],
+        _ => 0.0,
+    };
+    match (&one.kind, &other.kind) {
+        (Kind::Linear(i), Kind::Linear(j)) => {
+            let covariance = Complex::from(sigma[(*i, *j)]);
+            (covariance, covariance)
+        }
+        (
+            Kind::Linear(i),
+            Kind::Exponential {
+                logarithm,
+                phase,
+                mean,
+            },
+        ) => {
+            let stein = Complex::new(sigma[(*i, *logarithm)], at(Some(*i), *phase));
+            let pseudo = mean * stein * f(other.harmonic as f64);
+            (pseudo.conj(), pseudo)
+        }
+        (
+            Kind::Exponential {
+                logarithm,
+                phase,
+                mean,
+            },
+            Kind::Linear(i),
+        ) => {
+            let stein = Complex::new(sigma[(*logarithm, *i)], at(*phase, Some(*i)));
+            let covariance = mean * stein * f(one.harmonic as f64);
+            (covariance, covariance)
+        }
+        (
+            Kind::Exponential {
+                logarithm: l,
+                phase: p,
+                mean: a,
+            },
+            Kind::Exponential {
+                logarithm: m,
+                phase: q,
+                mean: b,
+            },
+        ) => {
+            let (ll, pp) = (sigma[(*l, *m)], at(*p, *q));
+            let (pl, lp) = (at(*p, Some(*m)), at(Some(*l), *q));
+            let (j, k) = (one.harmonic as f64, other.harmonic as f64);
+            let apart = f(j) * f(k);
+            let hermitian = a
+                * b.conj()
+                * (expm1(Complex::new(ll + pp, pl - lp)) * f(j - k) + (f(j - k) - apart));
+            let pseudo =
+                a * b * (expm1(Complex::new(ll - pp, pl + lp)) * f(j + k) + (f(j + k) - apart));
+            (hermitian, pseudo)
+        }
+    }
+}
+
+/// exp(z) - 1 without cancellation near 0.
+fn expm1(z: Complex<f64>) -> Complex<f64> {
+    let half = (z.im / 2.0).sin();
+    Complex::new(
+        z.re.exp_m1() * z.im.cos() - 2.0 * half * half,
+        z.re.exp() * z.im.sin(),
+    )
+}
+
+impl TrajectoryMoments {
+    /// The joints' names.
+    pub fn joints(&self) -> &Joints {
+        &self.joints
+    }
+
+    /// T \[s\].
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// E y(t) or of a derivative (D; rad, rad/s, ..).
+    pub fn mean(&self, t: f64, derivative: Derivative) -> DVector<f64> {
+        let row = self.row(t, derivative);
+        DVector::from_fn(self.joints.len(), |d, _| {
+            row.dot(&self.mean.rows(d * self.length, self.length))
+        })
+    }
+
+    /// Standard deviation of y(t) or of a derivative (D).
+    pub fn standard_deviation(&self, t: f64, derivative: Derivative) -> DVector<f64> {
+        self.covariance((t, derivative), (t, derivative))
+            .diagonal()
+            .map(|v| v.max(0.0).sqrt())
+    }
+
+    /// Cov(y(t), y(s)), or of derivatives of them (D x D; rows at `one`, columns at `other`).
+    pub fn covariance(&self, one: (f64, Derivative), other: (f64, Derivative)) -> DMatrix<f64> {
+        let (a, b) = (self.row(one.0, one.1), self.row(other.0, other.1));
+        let joints = self.joints.len();
+        DMatrix::from_fn(joints, joints, |d, e| a.dot(&(self.block(d, e) * &b)))
+    }
+
+    /// Mean and standard deviation at n T / N, n = 0..N (each N x D).
+    pub fn on_grid(&self, points: usize, derivative: Derivative) -> (DMatrix<f64>, DMatrix<f64>) {
+        let basis = self.basis(points, derivative);
+        let joints = self.joints.len();
+        let mut mean = DMatrix::zeros(points, joints);
+        let mut deviation = DMatrix::zeros(points, joints);
+        for d in 0..joints {
+            mean.set_column(d, &(&basis * self.mean.rows(d * self.length, self.length)));
+            let spread = &basis * self.block(d, d);
+            for n in 0..points {
+                let variance = spread.row(n).dot(&basis.row(n));
+                deviation[(n, d)] = variance.max(0.0).sqrt();
+            }
+        }
+        (mean, deviation)
+    }
+
+    /// The covariance of the whole trajectory at n T / N (ND x ND): joint by joint, N points in each.
+    pub fn covariance_on_grid(&self, points: usize, derivative: Derivative) -> DMatrix<f64> {
+        let basis = self.basis(points, derivative);
+        let transposed = basis.transpose();
+        let joints = self.joints.len();
+        let mut covariance = DMatrix::zeros(points * joints, points * joints);
+        for d in 0..joints {
+            for e in 0..=d {
+                let right = self.block(d, e) * &transposed;
+                let shape = (points, points);
+                let mut block = covariance.view_mut((d * points, e * points), shape);
+                block.gemm(1.0, &basis, &right, 0.0);
+            }
+        }
+        covariance.fill_upper_triangle_with_lower_triangle();
+        covariance
+    }
+
+    fn block(&self, d: usize, e: usize) -> DMatrixView<'_, f64> {
+        self.covariance.view(
+            (d * self.length, e * self.length),
+            (self.length, self.length),
+        )
+    }
+
+    /// What multiplies w_0, Re w_1, Im w_1, .. in y(t) or a derivative.
+    fn row(&self, t: f64, derivative: Derivative) -> DVector<f64> {
+        let turns = t / self.period;
+        self.row_at(turns - turns.floor(), derivative)
+    }
+
+    fn row_at(&self, turn: f64, derivative: Derivative) -> DVector<f64> {
+        let mut row = DVector::zeros(self.length);
+        let order = derivative.order();
+        row[0] = f64::from(u8::from(order == 0));
+        let w = std::f64::consts::TAU / self.period;
+        for k in 1..=(self.length - 1) / 2 {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * (k as f64 * turn).fract());
+            let scale = 2.0 * (k as f64 * w).powi(order);
+            // Re(i^n exp(i k w t) (re + i im)).
+            let (re, im) = match order % 4 {
+                0 => (cos, -sin),
+                1 => (-sin, -cos),
+                2 => (-cos, sin),
+                _ => (sin, cos),
+            };
+            row[2 * k - 1] = scale * re;
+            row[2 * k] = scale * im;
+        }
+        row
+    }
+
+    /// The rows of the grid (N x (2K + 1)).
+    fn basis(&self, points: usize, derivative: Derivative) -> DMatrix<f64> {
+        let mut basis = DMatrix::zeros(points, self.length);
+        for n in 0..points {
+            let row = self.row_at(n as f64 / points as f64, derivative);
+            basis.row_mut(n).copy_from(&row.transpose());
+        }
+        basis
+    }
+}
