@@ -130,7 +130,9 @@ pub use demonstration::{
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{LimitUse, Verdict, limits};
-pub use fourier::{Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave};
+pub use fourier::{
+    Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
+};
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
 pub use primitive::{
@@ -158,6 +160,7 @@ const _: () = {
     shared::<Error>();
     shared::<Wave>();
     shared::<PeriodGrid>();
+    shared::<CycleRing>();
     shared::<Demonstrations>();
     shared::<FourierMovementPrimitive>();
     #[cfg(feature = "robot")]

@@ -9,15 +9,19 @@
 //! Motions are real, so w_{d,-k} is the conjugate of w_{d,k} and only k >= 0 is stored;
 //! |w_{d,k}| is HALF the amplitude of its sinusoid. Positions are radians (metres for prismatic joints), times seconds.
 
+mod autoregression;
 mod basis;
 mod bounds;
 mod file;
 mod grid;
 mod joints;
+mod ring;
 mod wave;
 
+pub use autoregression::Autoregression;
 pub use basis::FourierBasis;
 pub use bounds::Interval;
 pub use grid::PeriodGrid;
 pub use joints::Joints;
+pub use ring::CycleRing;
 pub use wave::{Derivative, State, Wave};
