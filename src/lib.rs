@@ -124,8 +124,8 @@ pub use {nalgebra, num_complex, rand};
 #[cfg(feature = "robot")]
 pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};
 pub use demonstration::{
-    CsvOptions, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations, Duration, Leakage,
-    LeftOut, Recording, synthetic,
+    CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
+    Duration, Leakage, LeftOut, Recording, Variation, synthetic,
 };
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "robot")]
@@ -136,9 +136,10 @@ pub use fourier::{
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
 pub use primitive::{
-    Coordinate, Covariance, Estimator, FourierMovementPrimitive, Gaussian, Harmonic, HeldOut,
-    Kronecker, LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm,
-    Offsets, PhaseForm, Quantity, Start, StartSpread, TrajectoryMoments, stream,
+    ChartForm, Coordinate, Covariance, Cycles, Estimator, Example, FourierMovementPrimitive,
+    Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker, LearnOptions, LinearObservation,
+    LogPolar, Observation, OffsetEvidence, OffsetForm, Offsets, PhaseForm, Quantity, Start,
+    StartSpread, TrajectoryMoments, Unit, stream,
 };
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};

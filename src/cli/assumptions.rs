@@ -3,8 +3,9 @@
 use clap::{Args, ValueEnum};
 
 use super::output;
-use crate::fourier::Wave;
-use crate::primitive::{Estimator, LearnOptions, OffsetEvidence, OffsetForm, Offsets, PhaseForm};
+use crate::primitive::{
+    Estimator, Example, LearnOptions, OffsetEvidence, OffsetForm, Offsets, PhaseForm,
+};
 
 /// How waves become a distribution.
 #[derive(Args)]
@@ -53,8 +54,8 @@ impl Assumptions {
 }
 
 /// Why each offset is taken as it is, or by its logarithm.
-pub(super) fn offset_table(waves: &[Wave], forms: &[OffsetForm]) -> String {
-    let rows: Vec<Vec<String>> = OffsetEvidence::of(waves)
+pub(super) fn offset_table(examples: &[Example], forms: &[OffsetForm]) -> String {
+    let rows: Vec<Vec<String>> = OffsetEvidence::of(examples)
         .iter()
         .zip(forms)
         .map(|(evidence, form)| {

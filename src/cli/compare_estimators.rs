@@ -9,7 +9,7 @@ use super::{Outcome, output};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::primitive::{
-    Coordinate, Estimator, FourierMovementPrimitive, HeldOut, LearnOptions, Observation,
+    Coordinate, Estimator, Example, FourierMovementPrimitive, HeldOut, LearnOptions, Observation,
 };
 
 /// Compare the estimators of the covariance on recordings: how probable they make a left-out demonstration, and what they do to the coupling of two joints.
@@ -51,7 +51,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let demonstrations = arguments.recordings.demonstrations()?;
     let waves = demonstrations.fit(arguments.harmonics)?;
     let options = arguments.assumptions.options();
-    let offsets = options.offset_forms(&waves)?;
+    let examples: Vec<Example> = waves.iter().map(Example::from).collect();
+    let form = options.form(&examples)?;
     let (first, second) = joints(arguments, &waves)?;
     let k = arguments
         .harmonic
@@ -69,12 +70,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let bar = output::progress(waves.len() as u64, "leaving out demonstrations");
     let mut scores = vec![Vec::new(); Estimator::ALL.len()];
     for left_out in 0..waves.len() {
-        let mut rest = waves.clone();
-        let wave = rest.remove(left_out);
-        let held_out = HeldOut::new(&rest, &wave, options.phases, &offsets)?;
+        let mut rest = examples.clone();
+        let example = rest.remove(left_out);
+        let held_out = HeldOut::new(&rest, &example, &form)?;
         for (scores, estimator) in scores.iter_mut().zip(Estimator::ALL) {
             // The weight is chosen without the demonstration that is scored.
-            let estimator = estimator.chosen(&rest, options.phases, &offsets)?;
+            let estimator = estimator.chosen(&rest, &form)?;
             scores.push(held_out.score(estimator)?);
         }
         bar.inc(1);
@@ -84,7 +85,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         .into_iter()
         .zip(scores)
         .map(|(estimator, scores)| {
-            let estimator = estimator.chosen(&waves, options.phases, &offsets)?;
+            let estimator = estimator.chosen(&examples, &form)?;
             let options = LearnOptions {
                 estimator,
                 ..options

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::{Outcome, output, read_model};
 use crate::error::Result;
-use crate::primitive::{FourierMovementPrimitive, Observation, Quantity};
+use crate::primitive::{FourierMovementPrimitive, Observation, Quantity, Unit};
 
 /// Standard deviations within which a condition is nothing unusual.
 const USUAL: f64 = 3.0;
@@ -84,26 +84,20 @@ fn observation_row(
     observation: &Observation,
 ) -> Result<Vec<String>> {
     let (unit, before) = match &observation.quantity {
-        Quantity::One(coordinate) if coordinate.is_angle() => {
-            (" deg", Some(primitive.median(coordinate)?.to_degrees()))
-        }
-        Quantity::One(coordinate) => ("", Some(primitive.median(coordinate)?)),
-        Quantity::Sum(_) => ("", None),
+        Quantity::One(coordinate) => (coordinate.unit(), Some(primitive.median(coordinate)?)),
+        Quantity::Sum(_) => (Unit::Number, None),
     };
-    let scale = if unit.is_empty() {
-        1.0
-    } else {
-        1f64.to_degrees()
-    };
-    let mut value = format!("{:.2}{unit}", scale * observation.value);
+    let (scale, unit) = unit.told();
+    let told = |x: f64| format!("{:.2} {unit}", scale * x).trim_end().to_owned();
+    let mut value = told(observation.value);
     if observation.deviation > 0.0 {
-        value.push_str(&format!(" +- {:.2}{unit}", scale * observation.deviation));
+        value.push_str(&format!(" +- {}", told(observation.deviation)));
     }
     Ok(vec![
         observation.quantity.to_string(),
         frequency(primitive, observation).map_or(String::new(), |f| format!("{f:.3} Hz")),
         value,
-        before.map_or(String::new(), |b| format!("{b:.2}{unit}")),
+        before.map_or(String::new(), told),
     ])
 }
 
@@ -114,5 +108,5 @@ fn frequency(primitive: &FourierMovementPrimitive, observation: &Observation) ->
     };
     let chart = primitive.chart();
     let k = chart.harmonic(coordinate.harmonic()?).ok()?;
-    Some(k as f64 / chart.period())
+    chart.period().map(|period| k as f64 / period)
 }

@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::assumptions::{Assumptions, offset_table};
+use super::learn_cycle;
 use super::recordings::Recordings;
 use super::{Outcome, output};
 use crate::error::Result;
 use crate::fourier::Wave;
-use crate::primitive::{FourierMovementPrimitive, LearnOptions, Offsets};
+use crate::primitive::{Example, FourierMovementPrimitive, LearnOptions, Offsets};
 
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
 const MUCH_LEAKAGE: f64 = 0.05;
@@ -29,39 +30,63 @@ const IDENTICAL: f64 = 1e-9;
     Examples:\n  \
     undulate learn recordings/ -o model.json\n  \
     undulate learn a.csv b.csv c.csv --degrees --joints elbow,wrist -o model.json\n  \
-    undulate learn --list set.txt --root recordings --harmonics 30 -o model.json"
+    undulate learn --list set.txt --root recordings --harmonics 30 -o model.json\n  \
+    undulate learn recordings/ --period cycle -o lively.json"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
-    recordings: Recordings,
-    /// The highest harmonic, K.
-    #[arg(long, short = 'k', value_name = "K", default_value_t = 25)]
-    harmonics: usize,
+    pub recordings: Recordings,
+    /// What a period is: one T common to all recordings (the paper), or one cycle of each recording's own tempo, whose
+    /// amplitude and tempo vary from cycle to cycle as the demonstrations' do.
+    #[arg(long, value_enum, default_value_t = Period::Common)]
+    period: Period,
+    /// The highest harmonic, K [default: 25 of a common period, 4 of a cycle].
+    #[arg(long, short = 'k', value_name = "K")]
+    pub harmonics: Option<usize>,
+    /// With --period cycle: how many cycles a drawn wave has before it repeats.
+    #[arg(long, value_name = "C", default_value_t = 10)]
+    pub cycles: usize,
     #[command(flatten)]
-    assumptions: Assumptions,
+    pub assumptions: Assumptions,
     /// The model file to write.
     #[arg(long, short, value_name = "FILE", default_value = "model.json")]
-    output: PathBuf,
+    pub output: PathBuf,
     /// Write the fitted wave of each demonstration into this folder, in the form `undulate sample` writes.
     #[arg(long, value_name = "FOLDER")]
-    fits: Option<PathBuf>,
+    pub fits: Option<PathBuf>,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Period {
+    Common,
+    Cycle,
+}
+
+/// K of a common period.
+const HARMONICS: usize = 25;
+
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
+    match arguments.period {
+        Period::Common => common(arguments, json),
+        Period::Cycle => learn_cycle::run(arguments, json),
+    }
+}
+
+fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let demonstrations = arguments.recordings.demonstrations()?;
-    let waves = demonstrations.fit(arguments.harmonics)?;
+    let harmonics = arguments.harmonics.unwrap_or(HARMONICS);
+    let waves = demonstrations.fit(harmonics)?;
+    let examples: Vec<Example> = waves.iter().map(Example::from).collect();
     let options = arguments.assumptions.options();
-    let offsets = options.offset_forms(&waves)?;
-    let estimator = options.estimator.chosen(&waves, options.phases, &offsets)?;
-    let primitive = FourierMovementPrimitive::from_waves(
-        &waves,
-        &LearnOptions {
-            estimator,
-            ..options
-        },
-    )?;
+    let form = options.form(&examples)?;
+    let estimator = options.estimator.chosen(&examples, &form)?;
+    let options = LearnOptions {
+        estimator,
+        ..options
+    };
+    let primitive = FourierMovementPrimitive::from_waves(&waves, &options)?;
     let leakage = demonstrations.leakage(&waves);
-    let highest = arguments.harmonics as f64 / demonstrations.period();
+    let highest = harmonics as f64 / demonstrations.period();
     let tempo = demonstrations.highest_tempo();
 
     for left_out in demonstrations.left_out() {
@@ -73,7 +98,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     if highest < 2.0 * tempo {
         output::warn(format!(
             "{} harmonics reach {highest:.2} Hz, less than twice the fastest tempo, {tempo:.2} Hz: the overtones of fast waves are lost; --harmonics {} keeps the first",
-            arguments.harmonics,
+            harmonics,
             (2.0 * tempo * demonstrations.period()).ceil()
         ));
     }
@@ -85,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         output::warn(format!(
             "{leaking} recordings leave more than {:.0} % of their energy beyond {} harmonics; --remove-drift or --harmonics may help",
             100.0 * MUCH_LEAKAGE,
-            arguments.harmonics
+            harmonics
         ));
     }
     let farthest = demonstrations
@@ -104,14 +129,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     if still {
         output::warn("the demonstrations are all the same: every draw will be the same wave");
     }
-    if let Some(folder) = &arguments.fits {
-        for (i, wave) in waves.iter().enumerate() {
-            output::write(
-                &folder.join(format!("fit_{i:04}.json")),
-                wave.to_json().as_bytes(),
-            )?;
-        }
-    }
+    write_fits(arguments, waves.iter())?;
     output::write(&arguments.output, primitive.to_json().as_bytes())?;
 
     let value = json!({
@@ -125,14 +143,14 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "left_out": demonstrations.left_out().iter().map(|l| json!({"name": l.name, "reason": l.reason})).collect::<Vec<_>>(),
         "joints": demonstrations.joints().iter().collect::<Vec<_>>(),
         "period_s": demonstrations.period(),
-        "harmonics": arguments.harmonics,
+        "harmonics": harmonics,
         "highest_frequency_hz": highest,
         "fastest_tempo_hz": tempo,
         "rank": primitive.gaussian().rank(),
         "phases": options.phases.to_string(),
         "phase_reference": primitive.chart().reference(),
         "estimator": estimator.to_string(),
-        "offsets": offsets.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "offsets": form.offsets.iter().map(ToString::to_string).collect::<Vec<_>>(),
     });
     output::report(json, &value, || {
         let worst = leakage
@@ -147,7 +165,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             leakage.len(),
             demonstrations.joints().len(),
             demonstrations.period(),
-            arguments.harmonics,
+            harmonics,
         );
         if let Some(worst) = worst {
             text.push_str(&format!(
@@ -166,12 +184,27 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         ));
         text.push_str(&format!("\n\n{}", strongest(&waves)));
         if options.offsets != Offsets::Signed {
-            text.push_str(&format!("\n\n{}", offset_table(&waves, &offsets)));
+            text.push_str(&format!("\n\n{}", offset_table(&examples, &form.offsets)));
         }
         text.push_str(&format!("\n\nwrote {}", arguments.output.display()));
         text
     });
     Ok(Outcome::Done)
+}
+
+/// The fitted wave of each demonstration, where asked for.
+pub(super) fn write_fits<'a>(
+    arguments: &Arguments,
+    waves: impl Iterator<Item = &'a Wave>,
+) -> Result<()> {
+    let Some(folder) = &arguments.fits else {
+        return Ok(());
+    };
+    for (i, wave) in waves.enumerate() {
+        let path = folder.join(format!("fit_{i:04}.json"));
+        output::write(&path, wave.to_json().as_bytes())?;
+    }
+    Ok(())
 }
 
 /// For each joint where it waves about, and the harmonic to condition on: the one with most energy over all demonstrations.

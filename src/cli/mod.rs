@@ -5,6 +5,7 @@ mod check;
 mod compare_estimators;
 mod condition;
 mod learn;
+mod learn_cycle;
 mod map;
 mod output;
 mod recordings;

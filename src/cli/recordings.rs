@@ -38,7 +38,24 @@ pub(super) struct Recordings {
 }
 
 impl Recordings {
+    /// Cut to a common period.
     pub fn demonstrations(&self) -> Result<Demonstrations> {
+        match self.duration {
+            None if self.is_synthetic()? => synthetic(self.seed),
+            None => Demonstrations::new(self.read()?, Duration::Auto),
+            Some(seconds) => Demonstrations::new(self.uncut()?, Duration::Seconds(seconds)),
+        }
+    }
+
+    /// As they were recorded.
+    pub fn uncut(&self) -> Result<Vec<Recording>> {
+        if self.is_synthetic()? {
+            return Ok(synthetic(self.seed)?.recordings().to_vec());
+        }
+        self.read()
+    }
+
+    fn is_synthetic(&self) -> Result<bool> {
         if self.inputs.is_empty() && self.list.is_none() {
             let about_files = self.joints.is_some()
                 || self.degrees
@@ -51,8 +68,12 @@ impl Recordings {
                 )
                 .expected("CSV files, a folder of them, or --list"));
             }
-            return synthetic(self.seed);
+            return Ok(true);
         }
+        Ok(false)
+    }
+
+    fn read(&self) -> Result<Vec<Recording>> {
         let mut files = Vec::new();
         for input in &self.inputs {
             if input.is_dir() {
@@ -80,9 +101,6 @@ impl Recordings {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        Demonstrations::new(
-            recordings,
-            self.duration.map_or(Duration::Auto, Duration::Seconds),
-        )
+        Ok(recordings)
     }
 }

@@ -1,16 +1,17 @@
 //! The model file: versioned JSON. What is written is what was learned and what was observed since; the rest follows from it, bit for bit.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::chart::Phases;
 use super::{
-    Covariance, FourierMovementPrimitive, Gaussian, Kronecker, LinearObservation, LogPolar,
-    OffsetForm, PhaseForm,
+    ChartForm, Covariance, Cycles, FourierMovementPrimitive, Gaussian, Kronecker,
+    LinearObservation, LogPolar, OffsetForm, PhaseForm,
 };
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Joints, Wave};
+use crate::fourier::{Autoregression, Joints, Wave};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
@@ -23,12 +24,16 @@ struct ModelFile {
     format: String,
     version: u64,
     joints: Vec<String>,
-    period_s: f64,
+    /// T, where it is common to all waves; else `cycles`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cycles: Option<CyclesEntry>,
     harmonics: usize,
     phases: PhasesEntry,
     /// One a joint: `signed`, `positive` or `negative`.
     offsets: Vec<OffsetEntry>,
-    /// n = 2DK + D numbers in the order of `LogPolar`.
+    /// n numbers in the order of `LogPolar`.
     mean: Vec<f64>,
     /// r columns of n numbers each: the covariance is the sum of their outer products, ..
     factor: Vec<Vec<f64>>,
@@ -37,6 +42,15 @@ struct ModelFile {
     /// .. and of what coordinates do alone: index and standard deviation.
     independent: Vec<(usize, f64)>,
     observations: Vec<ObservationEntry>,
+}
+
+/// How many cycles a drawn wave has, and how they follow each other.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CyclesEntry {
+    count: usize,
+    amplitude_correlation: f64,
+    tempo_correlation: f64,
 }
 
 /// Version 1: principal phases, signed offsets, a factor, and conditioning already worked in.
@@ -126,6 +140,11 @@ impl FourierMovementPrimitive {
             version: VERSION,
             joints: chart.joints().iter().cloned().collect(),
             period_s: chart.period(),
+            cycles: chart.cycles().map(|cycles| CyclesEntry {
+                count: cycles.count(),
+                amplitude_correlation: cycles.amplitude().coefficient(),
+                tempo_correlation: cycles.tempo().coefficient(),
+            }),
             harmonics: chart.harmonics(),
             phases: match (chart.phase_form(), chart.reference()) {
                 (PhaseForm::Relative, Some(reference)) => PhasesEntry::Relative {
@@ -175,25 +194,24 @@ impl FourierMovementPrimitive {
     pub fn from_json(text: &str) -> Result<Self> {
         if document::version(text, MODEL, VERSION)? == 1 {
             let file: ModelFile1 = document::read(text, MODEL, VERSION)?;
-            let chart = chart(file.joints, file.period_s, file.harmonics, file.mean.len())?;
+            let entries = (file.joints, file.harmonics, file.mean.len());
+            let chart = chart(
+                entries,
+                Some(file.period_s),
+                None,
+                OffsetsAndPhases::paper(),
+            )?;
             let factor = factor(&file.factor, file.mean.len())?;
             return Self::new(chart, Gaussian::new(DVector::from_vec(file.mean), factor)?);
         }
         let file: ModelFile = document::read(text, MODEL, VERSION)?;
         let n = file.mean.len();
-        let chart = chart(file.joints, file.period_s, file.harmonics, n)?;
-        let chart = file.phases.put_on(chart)?;
-        if file.offsets.len() != chart.joints().len() {
-            return Err(
-                shape(format!("{} forms of offsets", file.offsets.len())).expected("one a joint")
-            );
-        }
-        let offsets = file.offsets.iter().map(|form| match form {
-            OffsetEntry::Signed => OffsetForm::Signed,
-            OffsetEntry::Positive => OffsetForm::Positive,
-            OffsetEntry::Negative => OffsetForm::Negative,
-        });
-        let chart = chart.with_offsets(offsets.collect());
+        let entries = (file.joints, file.harmonics, n);
+        let forms = OffsetsAndPhases {
+            offsets: Some(file.offsets),
+            phases: file.phases,
+        };
+        let chart = chart(entries, file.period_s, file.cycles, forms)?;
         let blocks = file
             .blocks
             .into_iter()
@@ -231,26 +249,81 @@ fn shape(what: String) -> Error {
     Error::new(ErrorKind::Shape, what)
 }
 
-/// The paper's chart for a mean of `n` numbers.
-fn chart(joints: Vec<String>, period: f64, harmonics: usize, n: usize) -> Result<LogPolar> {
-    let joints = Joints::new(joints)?;
-    // Through a wave of zeros, whose constructor checks the period.
-    let offsets = DVector::zeros(joints.len());
-    let blank = DMatrix::zeros(joints.len(), 0);
-    let period = Wave::new(joints.clone(), period, offsets, blank)?.period();
-    // Before anything of that size is made.
-    let expected = harmonics
-        .checked_mul(2)
-        .and_then(|k| k.checked_add(1))
-        .and_then(|k| k.checked_mul(joints.len()));
-    if harmonics == 0 || expected != Some(n) {
-        return Err(shape(format!(
-            "{} joints, {harmonics} harmonics, a mean of {n} numbers",
-            joints.len()
-        ))
-        .expected("2 D K + D numbers in the mean"));
+struct OffsetsAndPhases {
+    offsets: Option<Vec<OffsetEntry>>,
+    phases: PhasesEntry,
+}
+
+impl OffsetsAndPhases {
+    fn paper() -> Self {
+        Self {
+            offsets: None,
+            phases: PhasesEntry::Principal,
+        }
     }
-    Ok(LogPolar::principal(joints, period, harmonics))
+}
+
+/// The chart of these joints and harmonics, for a mean of so many numbers.
+fn chart(
+    (names, harmonics, n): (Vec<String>, usize, usize),
+    period: Option<f64>,
+    cycles: Option<CyclesEntry>,
+    forms: OffsetsAndPhases,
+) -> Result<LogPolar> {
+    let joints = Joints::new(names)?;
+    // Before anything of that size is made.
+    let angles = harmonics
+        .checked_mul(joints.len())
+        .filter(|angles| *angles > 0 && *angles <= n / 2)
+        .ok_or_else(|| {
+            shape(format!(
+                "{} joints, {harmonics} harmonics, a mean of {n} numbers",
+                joints.len()
+            ))
+            .expected("2 D K + D numbers in the mean, or 2 D K + 2 D + 3 of cycles")
+        })?;
+    let period = match (period, &cycles) {
+        (Some(period), None) => {
+            // Through a wave of zeros, whose constructor checks the period.
+            let offsets = DVector::zeros(joints.len());
+            let blank = DMatrix::zeros(joints.len(), 0);
+            Wave::new(joints.clone(), period, offsets, blank)?.period()
+        }
+        (None, Some(_)) => 1.0,
+        _ => {
+            return Err(
+                shape("a period and cycles, or neither".into()).expected("`period_s` or `cycles`")
+            );
+        }
+    };
+    let cycles = cycles
+        .map(|entry| {
+            let amplitude = Autoregression::new(entry.amplitude_correlation)?;
+            let tempo = Autoregression::new(entry.tempo_correlation)?;
+            Cycles::new(entry.count, harmonics, amplitude, tempo).map(Arc::new)
+        })
+        .transpose()?;
+    let offsets: Vec<OffsetForm> = match forms.offsets {
+        None => vec![OffsetForm::Signed; joints.len()],
+        Some(entries) => entries.into_iter().map(OffsetEntry::form).collect(),
+    };
+    if offsets.len() != joints.len() {
+        return Err(shape(format!("{} forms of offsets", offsets.len())).expected("one a joint"));
+    }
+    let (phases, reference, centres) = forms.phases.parts(&joints, angles)?;
+    let form = ChartForm {
+        phases,
+        offsets,
+        cycles,
+    };
+    let chart = LogPolar::in_form(joints, (period, harmonics), &form, reference, centres);
+    if chart.dimension() != n {
+        return Err(shape(format!("a mean of {n} numbers")).expected(format!(
+            "{}, 2 D K + D, or of cycles 2 D K + 2 D + 3",
+            chart.dimension()
+        )));
+    }
+    Ok(chart)
 }
 
 fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
@@ -262,27 +335,31 @@ fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
 }
 
 impl PhasesEntry {
-    fn put_on(self, chart: LogPolar) -> Result<LogPolar> {
+    fn parts(self, joints: &Joints, angles: usize) -> Result<(PhaseForm, usize, Vec<f64>)> {
         let (form, reference, centres) = match self {
-            Self::Principal => return Ok(chart),
+            Self::Principal => return Ok((PhaseForm::Principal, 0, vec![0.0; angles])),
             Self::Recentred { centres_rad } => (PhaseForm::Recentred, 0, centres_rad),
             Self::Relative {
                 reference,
                 centres_rad,
-            } => (
-                PhaseForm::Relative,
-                chart.joints().index(&reference)?,
-                centres_rad,
-            ),
+            } => (PhaseForm::Relative, joints.index(&reference)?, centres_rad),
         };
-        let expected = chart.joints().len() * chart.harmonics();
         let turn = std::f64::consts::TAU;
-        if centres.len() != expected || centres.iter().any(|c| !(c.abs() <= turn)) {
+        if centres.len() != angles || centres.iter().any(|c| !(c.abs() <= turn)) {
             return Err(shape(format!("{} branch centres", centres.len()))
-                .expected(format!("{expected} angles, D K of them")));
+                .expected(format!("{angles} angles, D K of them")));
         }
-        let phases = Phases::new(form, reference, chart.harmonics(), centres);
-        Ok(chart.with_phases(phases))
+        Ok((form, reference, centres))
+    }
+}
+
+impl OffsetEntry {
+    fn form(self) -> OffsetForm {
+        match self {
+            Self::Signed => OffsetForm::Signed,
+            Self::Positive => OffsetForm::Positive,
+            Self::Negative => OffsetForm::Negative,
+        }
     }
 }
 

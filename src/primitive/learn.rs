@@ -1,9 +1,12 @@
 //! What is assumed when a primitive is learned.
 
-use super::chart::{OffsetForm, PhaseForm};
+use std::sync::Arc;
+
+use super::chart::{ChartForm, Cycles, OffsetForm, PhaseForm};
+use super::example::Example;
 use super::scatter::Scatter;
-use super::{Estimator, FourierMovementPrimitive, Gaussian, LogPolar};
-use crate::demonstration::Demonstrations;
+use super::{Estimator, FourierMovementPrimitive, Gaussian};
+use crate::demonstration::{CycleFits, Demonstrations};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
@@ -55,12 +58,12 @@ impl LearnOptions {
         }
     }
 
-    /// The form of each joint's offset that these options give to `waves`.
+    /// The form of the chart that these options give to demonstrations of a common period.
     ///
     /// # Errors
     /// When logarithms are asked for, and the offsets of a joint have both signs.
-    pub fn offset_forms(&self, waves: &[Wave]) -> Result<Vec<OffsetForm>> {
-        OffsetEvidence::of(waves)
+    pub fn form(&self, examples: &[Example]) -> Result<ChartForm> {
+        let offsets = OffsetEvidence::of(examples)
             .iter()
             .map(|evidence| match self.offsets {
                 Offsets::Signed => Ok(OffsetForm::Signed),
@@ -79,7 +82,26 @@ impl LearnOptions {
                     .at(format!("joint `{}`", evidence.joint))
                 }),
             })
-            .collect()
+            .collect::<Result<_>>()?;
+        Ok(ChartForm {
+            phases: self.phases,
+            offsets,
+            cycles: None,
+        })
+    }
+
+    /// The form of the chart of cycles: `count` of them in a drawn wave, following each other as in `fits`.
+    ///
+    /// # Errors
+    /// Those of [`form`](Self::form), and when there is no cycle, or more than a thousand.
+    pub fn form_of_cycles(&self, fits: &CycleFits, count: usize) -> Result<ChartForm> {
+        let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
+        let harmonics = fits.fits().first().map_or(1, |fit| fit.wave.harmonics());
+        let cycles = Cycles::new(count, harmonics, fits.amplitude(), fits.tempo())?;
+        Ok(ChartForm {
+            cycles: Some(Arc::new(cycles)),
+            ..self.form(&examples)?
+        })
     }
 }
 
@@ -100,13 +122,13 @@ pub struct OffsetEvidence {
 
 impl OffsetEvidence {
     /// Joint by joint.
-    pub fn of(waves: &[Wave]) -> Vec<Self> {
-        let joints = waves.first().map(|w| w.joints().clone());
+    pub fn of(examples: &[Example]) -> Vec<Self> {
+        let joints = examples.first().map(|e| e.wave.joints().clone());
         let names = joints.iter().flat_map(Joints::iter);
         names
             .enumerate()
             .map(|(d, joint)| {
-                let offsets: Vec<f64> = waves.iter().map(|w| w.offsets()[d]).collect();
+                let offsets: Vec<f64> = examples.iter().map(|e| e.wave.offsets()[d]).collect();
                 let logarithmic = OffsetForm::logarithmic(&offsets);
                 Self {
                     joint: joint.clone(),
@@ -170,37 +192,43 @@ impl FourierMovementPrimitive {
     /// # Errors
     /// When there are fewer than two, they differ in joints, period or harmonics, or the options do not fit them.
     pub fn from_waves(waves: &[Wave], options: &LearnOptions) -> Result<Self> {
-        if waves.len() < 2 {
-            return Err(
-                Error::new(ErrorKind::Shape, format!("{} demonstrations", waves.len()))
-                    .expected("at least two"),
-            );
-        }
-        let chart = LogPolar::of(&waves[0]);
-        for wave in waves {
-            chart.vector(wave)?;
-        }
+        let examples: Vec<Example> = waves.iter().map(Example::from).collect();
+        let form = options.form(&examples)?;
+        Self::from_examples(&examples, &form, options)
+    }
+
+    /// Learns from recordings of which each has its own frequency; a drawn wave has `count` cycles.
+    ///
+    /// # Errors
+    /// When there are fewer than two, there is no cycle or more than a thousand, or the options do not fit them.
+    pub fn from_cycles(fits: &CycleFits, count: usize, options: &LearnOptions) -> Result<Self> {
+        let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
+        let form = options.form_of_cycles(fits, count)?;
+        Self::from_examples(&examples, &form, options)
+    }
+
+    fn from_examples(
+        examples: &[Example],
+        form: &ChartForm,
+        options: &LearnOptions,
+    ) -> Result<Self> {
         let aligned;
-        let waves = if options.align {
-            aligned = super::start::aligned(waves);
+        let examples = if options.align {
+            aligned = super::start::aligned(examples)?;
             &aligned
         } else {
-            waves
+            examples
         };
-        let offsets = options.offset_forms(waves)?;
-        if (options.phases, options.estimator)
-            == (PhaseForm::Principal, Estimator::MaximumLikelihood)
-        {
+        let estimator = options.estimator.chosen(examples, form)?;
+        let scatter = Scatter::of(examples, form)?;
+        if (form.phases, estimator) == (PhaseForm::Principal, Estimator::MaximumLikelihood) {
             // To the letter, and with the fewest columns.
-            let chart = chart.with_offsets(offsets);
-            let vectors = waves
+            let vectors = examples
                 .iter()
-                .map(|wave| chart.vector(wave))
+                .map(|example| scatter.chart.vector_of(example))
                 .collect::<Result<Vec<_>>>()?;
-            return Self::new(chart, Gaussian::maximum_likelihood(&vectors)?);
+            return Self::new(scatter.chart, Gaussian::maximum_likelihood(&vectors)?);
         }
-        let estimator = options.estimator.chosen(waves, options.phases, &offsets)?;
-        let scatter = Scatter::of(waves, options.phases, &offsets)?;
         let gaussian = estimator.gaussian(&scatter)?;
         Self::new(scatter.chart, gaussian)
     }

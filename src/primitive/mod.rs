@@ -3,6 +3,7 @@
 mod chart;
 mod covariance;
 mod estimator;
+mod example;
 mod file;
 mod gaussian;
 mod kronecker;
@@ -20,14 +21,15 @@ use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
-pub use chart::{LogPolar, OffsetForm, PhaseForm};
+pub use chart::{ChartForm, Cycles, Jitter, LogPolar, OffsetForm, PhaseForm};
 pub use covariance::Covariance;
 pub use estimator::{Estimator, HeldOut};
+pub use example::Example;
 pub use gaussian::{Gaussian, LinearObservation};
 pub use kronecker::Kronecker;
 pub use learn::{LearnOptions, OffsetEvidence, Offsets};
 pub use moments::{StartSpread, TrajectoryMoments};
-pub use observation::{Coordinate, Harmonic, Observation, Quantity};
+pub use observation::{Coordinate, Harmonic, JitterOf, Observation, Quantity, Unit};
 pub use start::Start;
 
 use crate::error::{Error, ErrorKind, Result};
@@ -70,7 +72,7 @@ impl FourierMovementPrimitive {
                 ErrorKind::Shape,
                 format!("a Gaussian of {} dimensions", gaussian.dimension()),
             )
-            .expected(format!("{}, 2 D K + D", chart.dimension())));
+            .expected(format!("{}", chart.dimension())));
         }
         let prior = gaussian.prior_covariance();
         for i in 0..gaussian.dimension() {
@@ -165,11 +167,8 @@ impl FourierMovementPrimitive {
         let told = |charted: f64| match &observation.quantity {
             Quantity::One(coordinate) => {
                 let value = self.chart.value(coordinate, charted).unwrap_or(charted);
-                if coordinate.is_angle() {
-                    format!("{:.4} deg", value.to_degrees())
-                } else {
-                    format!("{value:.4}")
-                }
+                let (scale, unit) = coordinate.unit().told();
+                format!("{:.4} {unit}", scale * value).trim_end().to_owned()
             }
             Quantity::Sum(_) => format!("{charted:.4}"),
         };
@@ -256,21 +255,44 @@ impl FourierMovementPrimitive {
         self.median(&Coordinate::modulus(joint, harmonic))
     }
 
-    /// The wave at the mean of the Gaussian: median moduli, mean phases and offsets.
+    /// The wave at the mean of the Gaussian: median moduli or swings, mean phases and offsets; of cycles the steady one, whose period is one cycle.
     pub fn mean_wave(&self) -> Wave {
-        self.wave(self.gaussian.mean().clone())
+        self.steady(&self.within_limits(self.gaussian.mean().clone()))
     }
 
-    /// The wave of a draw.
-    fn wave(&self, mut x: DVector<f64>) -> Wave {
-        // Keeps every draw a wave; it acts beyond FARTHEST standard deviations.
+    /// Keeps every draw a wave; it acts beyond [`FARTHEST`] standard deviations.
+    fn within_limits(&self, mut x: DVector<f64>) -> DVector<f64> {
         for (i, x) in x.iter_mut().enumerate() {
             let limit = self.chart.limit(i);
             *x = x.clamp(-limit, limit);
         }
+        x
+    }
+
+    fn steady(&self, x: &DVector<f64>) -> Wave {
         self.chart
-            .wave(&x)
+            .wave(x)
             .expect("`new` admits only Gaussians whose every draw is a wave")
+    }
+
+    /// How many standard normal numbers make a wave.
+    pub(crate) fn latent(&self) -> usize {
+        let cycles = self.chart.cycles().map_or(0, |cycles| cycles.count());
+        self.gaussian.latent() + 2 * cycles
+    }
+
+    /// The wave of so many standard normal numbers.
+    pub(crate) fn wave_at(&self, z: &mut [f64]) -> Wave {
+        let (gaussian, normals) = z.split_at_mut(self.gaussian.latent());
+        let x = self.within_limits(self.gaussian.at_latent(gaussian));
+        let steady = self.steady(&x);
+        let (Some(cycles), Some(tail)) = (self.chart.cycles(), self.chart.tail()) else {
+            return steady;
+        };
+        let after = tail + self.chart.joints().len();
+        cycles
+            .enliven(&steady, [x[after + 1], x[after + 2]], normals)
+            .expect("deviations and periods are kept within bounds")
     }
 }
 
@@ -289,7 +311,9 @@ impl fmt::Debug for FourierMovementPrimitive {
 /// Draws waves; the same generator state gives the same wave on every machine.
 impl Distribution<Wave> for FourierMovementPrimitive {
     fn sample<R: Rng + ?Sized>(&self, rng: &mut R) -> Wave {
-        self.wave(self.gaussian.sample(rng))
+        let mut z = vec![0.0; self.latent()];
+        normal::fill(rng, &mut z);
+        self.wave_at(&mut z)
     }
 }
 

@@ -100,6 +100,14 @@ impl FourierMovementPrimitive {
             .expected("a standard deviation in seconds"));
         }
         let chart = self.chart();
+        let Some(period) = chart.period() else {
+            return Err(Error::new(
+                ErrorKind::Unsupported,
+                "moments in closed form of waves that each have their own frequency",
+            )
+            .expected("a model learned with --period common")
+            .help("draw waves instead"));
+        };
         let sigma = absolute(chart, self.gaussian().covariance());
         let mut mu = self.gaussian().mean().clone();
         let (phases, offsets) = chart.starts();
@@ -107,7 +115,7 @@ impl FourierMovementPrimitive {
             .phases()
             .absolute(&mut mu.as_mut_slice()[phases..offsets]);
         let weights = weights(chart, &mu, &sigma);
-        let w = std::f64::consts::TAU / chart.period();
+        let w = std::f64::consts::TAU / period;
         let f = |q: f64| start.characteristic(q, w);
 
         let length = 2 * chart.harmonics() + 1;
@@ -151,7 +159,7 @@ impl FourierMovementPrimitive {
         }
         Ok(TrajectoryMoments {
             joints: chart.joints().clone(),
-            period: chart.period(),
+            period,
             length,
             mean,
             covariance,

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::chart::{LogPolar, OffsetForm, PhaseForm, Phases, principal};
+use super::chart::{ChartForm, FLOOR, LogPolar, PhaseForm, principal};
 use super::covariance::dot;
+use super::example::Example;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::Wave;
 
 /// Of a demonstration: what all others together must be worth.
 const ALONE: f64 = 1e-3;
@@ -46,53 +46,48 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// Of at least two waves of one shape, with phases and offsets in the given forms.
-    pub fn of(waves: &[Wave], form: PhaseForm, offsets: &[OffsetForm]) -> Result<Self> {
-        let (Some(first), true) = (waves.first(), waves.len() > 1) else {
-            return Err(
-                Error::new(ErrorKind::Shape, format!("{} demonstrations", waves.len()))
-                    .expected("at least two"),
-            );
+    /// Of at least two demonstrations of one shape.
+    pub fn of(examples: &[Example], form: &ChartForm) -> Result<Self> {
+        let (Some(first), true) = (examples.first(), examples.len() > 1) else {
+            return Err(Error::new(
+                ErrorKind::Shape,
+                format!("{} demonstrations", examples.len()),
+            )
+            .expected("at least two"));
         };
-        let (joints, harmonics) = (first.joints().len(), first.harmonics());
-        let reference = strongest_joint(waves);
-        let plain = LogPolar::of(first).with_offsets(offsets.to_vec());
-        let principal_form = form == PhaseForm::Principal;
-        // Once with branches about zero, to find where the branches must lie.
-        let zeros = vec![0.0; joints * harmonics];
-        let chart = plain.with_phases(Phases::new(form, reference, harmonics, zeros));
-        let vectors = waves
+        let (joints, harmonics) = (first.wave.joints().clone(), first.wave.harmonics());
+        let reference = strongest_joint(examples);
+        let centres = vec![0.0; joints.len() * harmonics];
+        let shape = (first.wave.period(), harmonics);
+        // With branches about zero, to find where the branches must lie.
+        let chart = LogPolar::in_form(joints, shape, form, reference, centres);
+        let vectors = examples
             .iter()
-            .map(|wave| chart.vector(wave))
+            .map(|example| chart.vector_of(example))
             .collect::<Result<Vec<_>>>()?;
         let n = chart.dimension();
         let (phases, after) = chart.starts();
         let mut scatter = Self {
             mean: DVector::zeros(n),
             deviations: vec![0.0; n],
-            directions: DMatrix::zeros(waves.len(), n),
+            directions: DMatrix::zeros(examples.len(), n),
             uniform: Vec::new(),
             chart,
         };
         for i in 0..n {
             let values: Vec<f64> = vectors.iter().map(|x| x[i]).collect();
-            if (phases..after).contains(&i) && !principal_form {
-                let d = (i - phases) / harmonics;
+            if (phases..after).contains(&i) && form.phases != PhaseForm::Principal {
                 let own = i - phases;
-                let other = match scatter.chart.phases().relative_to(d) {
-                    Some(reference) => reference * harmonics + own % harmonics,
-                    None => own,
-                };
-                // Moduli as the chart has them: exp of ln r.
-                let weights: Vec<f64> = vectors
+                let (d, k) = (own / harmonics, own % harmonics);
+                let anchor = scatter.chart.phases().anchor(d, k);
+                let weights: Vec<f64> = examples
                     .iter()
-                    .map(|x| {
-                        let product = if other == own {
-                            x[own]
-                        } else {
-                            x[own] + x[other]
+                    .map(|example| {
+                        let modulus = |i: usize| {
+                            let weights = example.wave.weights();
+                            weights[(i / harmonics, i % harmonics)].norm().max(FLOOR)
                         };
-                        product.exp()
+                        modulus(own) * anchor.map_or(1.0, |(anchor, _)| modulus(anchor))
                     })
                     .collect();
                 scatter.set_angle(i, &values, &weights);
@@ -100,10 +95,9 @@ impl Scatter {
                 scatter.set_number(i, &values);
             }
         }
-        if !principal_form {
+        if form.phases != PhaseForm::Principal {
             let centres = scatter.mean.as_slice()[phases..after].to_vec();
-            let centred = Phases::new(form, reference, harmonics, centres);
-            scatter.chart = scatter.chart.with_phases(centred);
+            scatter.chart = scatter.chart.about(centres);
         }
         Ok(scatter)
     }
@@ -168,24 +162,17 @@ impl Scatter {
     pub fn count(&self) -> usize {
         self.directions.nrows()
     }
-
-    /// The correlation of coordinates `i` and `j`.
-    pub fn correlation(&self, i: usize, j: usize) -> f64 {
-        let n = self.count();
-        let all = self.directions.as_slice();
-        dot(&all[i * n..][..n], &all[j * n..][..n])
-    }
 }
 
 /// The joint with most energy over all waves and harmonics: its phases are the best known.
-fn strongest_joint(waves: &[Wave]) -> usize {
+fn strongest_joint(examples: &[Example]) -> usize {
     let energy = |d: usize| {
-        waves
+        examples
             .iter()
-            .map(|w| w.weights().row(d).norm_squared())
+            .map(|e| e.wave.weights().row(d).norm_squared())
             .sum::<f64>()
     };
-    (0..waves[0].joints().len())
+    (0..examples[0].wave.joints().len())
         .map(|d| (d, energy(d)))
         .fold(
             (0, -1.0),

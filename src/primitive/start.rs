@@ -5,6 +5,7 @@ use std::str::FromStr;
 use num_complex::Complex;
 use rand::{Rng, RngExt};
 
+use super::example::Example;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::units::parse_angle_with_unit;
@@ -51,15 +52,27 @@ fn delay(wave: &Wave, k: usize, weight: Complex<f64>, phase: f64) -> f64 {
     (phase - libm::atan2(weight.im, weight.re)) / (k as f64 * wave.angular_frequency())
 }
 
-/// The waves, each started where the joint and harmonic with most energy over all of them has phase zero.
-pub(super) fn aligned(waves: &[Wave]) -> Vec<Wave> {
-    let Some(first) = waves.first() else {
-        return Vec::new();
+/// The demonstrations, each started where the joint and harmonic with most energy over all of them has phase zero.
+pub(super) fn aligned(examples: &[Example]) -> Result<Vec<Example>> {
+    let Some(first) = examples.first() else {
+        return Ok(Vec::new());
     };
-    let energy =
-        |d: usize, k: usize| -> f64 { waves.iter().map(|w| w.weights()[(d, k)].norm_sqr()).sum() };
-    let (d, k) = (0..first.joints().len())
-        .flat_map(|d| (0..first.harmonics()).map(move |k| (d, k)))
+    let shape = |e: &Example| (e.wave.joints().len(), e.wave.harmonics());
+    let (joints, harmonics) = shape(first);
+    if examples.iter().any(|e| shape(e) != (joints, harmonics)) {
+        return Err(Error::new(
+            ErrorKind::Shape,
+            "demonstrations of different joints or harmonics",
+        ));
+    }
+    let energy = |d: usize, k: usize| -> f64 {
+        examples
+            .iter()
+            .map(|e| e.wave.weights()[(d, k)].norm_sqr())
+            .sum()
+    };
+    let (d, k) = (0..joints)
+        .flat_map(|d| (0..harmonics).map(move |k| (d, k)))
         .fold((0, 0), |best, next| {
             if energy(next.0, next.1) > energy(best.0, best.1) {
                 next
@@ -67,10 +80,14 @@ pub(super) fn aligned(waves: &[Wave]) -> Vec<Wave> {
                 best
             }
         });
-    waves
-        .iter()
-        .map(|w| w.advanced(delay(w, k + 1, w.weights()[(d, k)], 0.0)))
-        .collect()
+    let start = |e: &Example| {
+        let wave = &e.wave;
+        Example {
+            wave: wave.advanced(delay(wave, k + 1, wave.weights()[(d, k)], 0.0)),
+            ..e.clone()
+        }
+    };
+    Ok(examples.iter().map(start).collect())
 }
 
 impl FromStr for Start {

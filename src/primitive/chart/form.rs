@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
-use super::FLOOR;
+use super::{Cycles, FLOOR};
 use crate::elementary::exp;
 use crate::error::{Error, ErrorKind, Result};
 
@@ -15,7 +16,8 @@ pub enum PhaseForm {
     /// Angles about their amplitude-weighted circular mean, joint by joint. Fits demonstrations that all start at the same point of
     /// the cycle; else joints lose their relation.
     Recentred,
-    /// The phases of a reference joint, and of all others relative to it, each about its circular mean.
+    /// The phases of a reference joint, and of all others relative to it, each about its circular mean. Of cycles, all phases relative to the
+    /// first harmonic of the reference joint, times the harmonic.
     #[default]
     Relative,
 }
@@ -45,6 +47,17 @@ impl FromStr for PhaseForm {
                 .expected("principal, recentred or relative")
         })
     }
+}
+
+/// How waves become vectors: all the choices of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartForm {
+    /// How phases enter.
+    pub phases: PhaseForm,
+    /// How each joint's offset does.
+    pub offsets: Vec<OffsetForm>,
+    /// How cycles follow each other, where the period is one cycle and not common to all.
+    pub cycles: Option<Arc<Cycles>>,
 }
 
 /// How a joint's offset w_{d,0} \[rad\] enters the vector.

@@ -1,16 +1,21 @@
 //! The log-polar chart: waves as vectors in which amplitude and phase are coordinates.
 
+mod cycle;
 mod form;
 mod phases;
 mod rows;
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-pub use form::{OffsetForm, PhaseForm};
+pub use cycle::{Cycles, Jitter};
+pub use form::{ChartForm, OffsetForm, PhaseForm};
 pub(super) use phases::{Phases, principal};
 
-use super::observation::Coordinate;
+use super::example::Example;
+use super::observation::{Coordinate, JitterOf};
 use crate::elementary::{LARGEST, exp, sin_cos};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
@@ -23,6 +28,8 @@ pub(super) const FLOOR: f64 = 1e-12;
 const LARGEST_LOGARITHM: f64 = 200.0;
 /// Of phases and signed offsets \[rad\]: two of them together are an argument of `sin_cos`.
 const LARGEST_ANGLE: f64 = LARGEST / 2.0;
+/// ln of the seconds of the longest period, and of the shortest.
+const LONGEST_PERIOD: f64 = 20.0;
 
 /// Waves of D joints, K harmonics and period T as vectors of n = 2DK + D numbers,
 ///
@@ -36,17 +43,38 @@ const LARGEST_ANGLE: f64 = LARGEST / 2.0;
 /// Phases are angles, so each has a branch centre c, and stands in (c - pi, c + pi]. What phi is depends on the [`PhaseForm`]:
 /// Arg w_{d,k} itself, or, for joints other than a reference, the phase relative to it: Arg w_{d,k} = phi_{d,k} + phi_{ref,k}. Either way
 /// Arg w is a sum of entries of x with whole coefficients. The offset o is w_{d,0} or, by [`OffsetForm`], the logarithm of |w_{d,0}|.
+///
+/// # Cycles
+///
+/// Where the period is one cycle of the wave ([`Cycles`]), x holds what people ask for, and n = 2DK + 2D + 3:
+///
+/// ```text
+/// x = [ ln(|w_{d,h}| / s_d) , phi_{d,h} , o_d , ln s_d , ln f , ln j_a , ln j_t ]     h = 1..K
+/// ```
+///
+/// with s_d the swing of a joint, half of peak to peak of its cycle \[rad\], f the frequency \[Hz\], j_a and j_t the standard deviations of ln amplitude
+/// and ln tempo from cycle to cycle. Relative phases are locked to the first harmonic of the reference joint, Arg w_{d,h} = phi_{d,h} + h phi_{ref,1}, so
+/// that phi_{ref,1} is the start and nothing else depends on it. x gives a shape for each joint, which is scaled to its swing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogPolar {
     joints: Joints,
-    period: f64,
+    span: Span,
     harmonics: usize,
     phases: Phases,
     offsets: Vec<OffsetForm>,
 }
 
+/// What a period is.
+#[derive(Debug, Clone, PartialEq)]
+enum Span {
+    /// T \[s\], common to all waves.
+    Common(f64),
+    /// One cycle, of each wave's own length.
+    Cycle(Arc<Cycles>),
+}
+
 impl LogPolar {
-    /// The paper's chart of waves like this one: principal phases in (-pi, pi], offsets with their sign.
+    /// The paper's chart of waves like this one: a common period, principal phases in (-pi, pi], offsets with their sign.
     pub fn of(wave: &Wave) -> Self {
         Self::principal(wave.joints().clone(), wave.period(), wave.harmonics())
     }
@@ -56,19 +84,38 @@ impl LogPolar {
         let offsets = vec![OffsetForm::Signed; joints.len()];
         Self {
             joints,
-            period,
+            span: Span::Common(period),
             harmonics,
             phases,
             offsets,
         }
     }
 
-    pub(super) fn with_phases(self, phases: Phases) -> Self {
-        Self { phases, ..self }
+    /// The chart of waves like this one in a form, phases relative to joint `reference` where they are, branches about `centres` (D K).
+    pub(super) fn in_form(
+        joints: Joints,
+        (period, harmonics): (f64, usize),
+        form: &ChartForm,
+        reference: usize,
+        centres: Vec<f64>,
+    ) -> Self {
+        let locked = form.cycles.is_some();
+        Self {
+            joints,
+            span: match &form.cycles {
+                None => Span::Common(period),
+                Some(cycles) => Span::Cycle(cycles.clone()),
+            },
+            harmonics,
+            phases: Phases::new(form.phases, reference, harmonics, centres, locked),
+            offsets: form.offsets.clone(),
+        }
     }
 
-    pub(super) fn with_offsets(self, offsets: Vec<OffsetForm>) -> Self {
-        Self { offsets, ..self }
+    /// The same with other branches.
+    pub(super) fn about(self, centres: Vec<f64>) -> Self {
+        let phases = self.phases.about(centres);
+        Self { phases, ..self }
     }
 
     /// The joints' names.
@@ -76,9 +123,20 @@ impl LogPolar {
         &self.joints
     }
 
-    /// T \[s\].
-    pub fn period(&self) -> f64 {
-        self.period
+    /// T \[s\], where it is common to all waves.
+    pub fn period(&self) -> Option<f64> {
+        match self.span {
+            Span::Common(period) => Some(period),
+            Span::Cycle(_) => None,
+        }
+    }
+
+    /// How cycles follow each other, where the period is one cycle.
+    pub fn cycles(&self) -> Option<&Arc<Cycles>> {
+        match &self.span {
+            Span::Common(_) => None,
+            Span::Cycle(cycles) => Some(cycles),
+        }
     }
 
     /// K.
@@ -86,9 +144,13 @@ impl LogPolar {
         self.harmonics
     }
 
-    /// n = 2DK + D.
+    /// n = 2DK + D, of cycles 2DK + 2D + 3.
     pub fn dimension(&self) -> usize {
-        (2 * self.harmonics + 1) * self.joints.len()
+        let common = (2 * self.harmonics + 1) * self.joints.len();
+        match self.span {
+            Span::Common(_) => common,
+            Span::Cycle(_) => common + self.joints.len() + cycle::AFTER_SWINGS,
+        }
     }
 
     /// How phases enter the vector.
@@ -116,35 +178,53 @@ impl LogPolar {
         (angles, 2 * angles)
     }
 
+    /// Where in x swings, frequency and levels of jitter are, of cycles.
+    pub(super) fn tail(&self) -> Option<usize> {
+        self.cycles().map(|_| self.starts().1 + self.joints.len())
+    }
+
     /// Entry i of a wave's vector lies within +- this.
     pub(super) fn limit(&self, i: usize) -> f64 {
         let (phases, offsets) = self.starts();
-        let signed = |d: usize| self.offsets[d] == OffsetForm::Signed;
-        if i < phases || i >= offsets && !signed(i - offsets) {
-            LARGEST_LOGARITHM
-        } else {
+        let is_angle =
+            |i: usize| i < offsets || self.offsets.get(i - offsets) == Some(&OffsetForm::Signed);
+        if i >= phases && is_angle(i) {
             LARGEST_ANGLE
+        } else if self.tail().is_some() {
+            // Its weights are products of two.
+            LARGEST_LOGARITHM / 2.0
+        } else {
+            LARGEST_LOGARITHM
         }
     }
 
-    /// x of a wave (n).
+    /// x of a wave (n); of a steady one, without jitter, in a chart of cycles.
     ///
     /// # Errors
     /// When the wave has other joints, another period or another number of harmonics, or an offset of a sign that the chart has not.
     pub fn vector(&self, wave: &Wave) -> Result<DVector<f64>> {
-        let like = (&self.joints, self.period, self.harmonics);
-        if like != (wave.joints(), wave.period(), wave.harmonics()) {
-            let told = |joints: &Joints, harmonics: usize, period: f64| {
+        let jitter = self.cycles().map(|_| Jitter {
+            amplitude: 0.0,
+            tempo: 0.0,
+        });
+        let wave = wave.clone();
+        self.vector_of(&Example { wave, jitter })
+    }
+
+    /// x of a demonstration (n).
+    pub(super) fn vector_of(&self, example: &Example) -> Result<DVector<f64>> {
+        let wave = &example.wave;
+        let period = self.period().unwrap_or(wave.period());
+        let like = (&self.joints, period, self.harmonics);
+        let found = (wave.joints(), wave.period(), wave.harmonics());
+        if like != found || example.jitter.is_some() != self.cycles().is_some() {
+            let told = |(joints, period, harmonics): (&Joints, f64, usize)| {
                 format!("{}, {harmonics} harmonics, {period} s", joints.listed())
             };
-            return Err(Error::new(
-                ErrorKind::Shape,
-                format!(
-                    "a wave of {}",
-                    told(wave.joints(), wave.harmonics(), wave.period())
-                ),
-            )
-            .expected(told(&self.joints, self.harmonics, self.period)));
+            return Err(
+                Error::new(ErrorKind::Shape, format!("a wave of {}", told(found)))
+                    .expected(told(like)),
+            );
         }
         let (phases, offsets) = self.starts();
         let mut x = DVector::zeros(self.dimension());
@@ -160,28 +240,41 @@ impl LogPolar {
                 .map_err(|e| e.at(format!("offset of `{}`", self.joints.name(d))))?;
         }
         self.phases.chart(&mut x.as_mut_slice()[phases..offsets]);
+        if let (Some(cycles), Some(tail), Some(jitter)) =
+            (self.cycles(), self.tail(), example.jitter)
+        {
+            let swings = cycles.swings(wave);
+            for (d, swing) in swings.iter().enumerate() {
+                let logarithm = libm::log(swing.max(FLOOR));
+                x[tail + d] = logarithm;
+                let row = &mut x.as_mut_slice()[d * self.harmonics..][..self.harmonics];
+                row.iter_mut().for_each(|l| *l -= logarithm);
+            }
+            let after = &mut x.as_mut_slice()[tail + self.joints.len()..];
+            after.copy_from_slice(&Cycles::tail(wave, jitter));
+        }
         Ok(x)
     }
 
-    /// The wave of a vector.
+    /// The wave of a vector; in a chart of cycles the steady one, whose period is one cycle.
     ///
     /// # Errors
-    /// When `x` is not of this chart's dimension, or an entry is not a number or beyond +-600, where a
-    /// modulus would overflow.
+    /// When `x` is not of this chart's dimension, or an entry is not a number or so large that the wave would overflow.
     pub fn wave(&self, x: &DVector<f64>) -> Result<Wave> {
         if x.len() != self.dimension() {
             return Err(
                 Error::new(ErrorKind::Shape, format!("a vector of {}", x.len()))
-                    .expected(format!("{} entries, 2 D K + D", self.dimension())),
+                    .expected(format!("{} entries", self.dimension())),
             );
         }
-        if let Some(i) = x.iter().position(|v| v.abs() > LARGEST || v.is_nan()) {
+        // A number that is none is refused as well.
+        if let Some(i) = (0..x.len()).find(|i| !(x[*i].abs() <= self.limit(*i))) {
             let place = self
                 .coordinate(i)
                 .map_or_else(String::new, |c| c.to_string());
             return Err(
                 Error::new(ErrorKind::Value, format!("entry {i} is {}", x[i]))
-                    .expected(format!("a number within +-{LARGEST}"))
+                    .expected(format!("a number within +-{}", self.limit(i)))
                     .at(place),
             );
         }
@@ -193,16 +286,31 @@ impl LogPolar {
             .zip(angles)
             .map(|(logarithm, phase)| {
                 let modulus = exp(*logarithm);
-                // A sum of two entries within bounds may lie beyond them.
-                let (sin, cos) = sin_cos(phase.clamp(-LARGEST, LARGEST));
+                // A sum of entries within bounds may lie beyond them.
+                let near = if phase.abs() <= LARGEST {
+                    phase
+                } else {
+                    principal(phase)
+                };
+                let (sin, cos) = sin_cos(near);
                 Complex::new(modulus * cos, modulus * sin)
             })
             .collect();
-        let weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &polar);
+        let mut weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &polar);
         let offsets = DVector::from_fn(self.joints.len(), |d, _| {
             self.offsets[d].value(x[offsets + d])
         });
-        Wave::new(self.joints.clone(), self.period, offsets, weights)
+        let (Some(cycles), Some(tail)) = (self.cycles(), self.tail()) else {
+            let period = self.period().unwrap_or(1.0);
+            return Wave::new(self.joints.clone(), period, offsets, weights);
+        };
+        let frequency = exp(x[tail + self.joints.len()].clamp(-LONGEST_PERIOD, LONGEST_PERIOD));
+        let shape = Wave::new(self.joints.clone(), 1.0, offsets.clone(), weights.clone())?;
+        for (d, found) in cycles.swings(&shape).iter().enumerate() {
+            let scale = exp(x[tail + d]) / found.max(f64::MIN_POSITIVE);
+            weights.row_mut(d).apply(|w| *w *= scale);
+        }
+        Wave::new(self.joints.clone(), 1.0 / frequency, offsets, weights)
     }
 
     /// The coordinate at an index of x; `None` beyond its end.
@@ -211,17 +319,41 @@ impl LogPolar {
         let (phases, offsets) = self.starts();
         if index < phases {
             let (d, k) = (index / self.harmonics, index % self.harmonics + 1);
-            Some(Coordinate::modulus(joint(d), k))
+            Some(match self.cycles() {
+                None => Coordinate::modulus(joint(d), k),
+                Some(_) => Coordinate::Shape {
+                    joint: joint(d),
+                    harmonic: k.into(),
+                },
+            })
         } else if index < offsets {
             let i = index - phases;
             let (d, k) = (i / self.harmonics, i % self.harmonics + 1);
-            Some(match self.phases.relative_to(d) {
-                Some(reference) => Coordinate::relative_phase(joint(d), joint(reference), k),
+            Some(match self.phases.anchor(d, k - 1) {
                 None => Coordinate::phase(joint(d), k),
+                Some(_) if self.tail().is_some() => Coordinate::LockedPhase {
+                    joint: joint(d),
+                    harmonic: k.into(),
+                },
+                Some((anchor, _)) => {
+                    let reference = joint(anchor / self.harmonics);
+                    Coordinate::relative_phase(joint(d), reference, k)
+                }
             })
+        } else if index < offsets + self.joints.len() {
+            let joint = joint(index - offsets);
+            Some(Coordinate::Offset { joint })
         } else {
-            let d = index - offsets;
-            (d < self.joints.len()).then(|| Coordinate::Offset { joint: joint(d) })
+            let after = index - self.tail()?;
+            match after.checked_sub(self.joints.len()) {
+                None => Some(Coordinate::Swing {
+                    joint: joint(after),
+                }),
+                Some(0) => Some(Coordinate::Frequency),
+                Some(1) => Some(Coordinate::Jitter(JitterOf::Amplitude)),
+                Some(2) => Some(Coordinate::Jitter(JitterOf::Tempo)),
+                Some(_) => None,
+            }
         }
     }
 }

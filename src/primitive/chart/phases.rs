@@ -12,16 +12,25 @@ pub(in crate::primitive) struct Phases {
     harmonics: usize,
     /// The branch of entry i is (c_i - pi, c_i + pi]. Fixed at learning, and never moved: else the order of observations mattered.
     centres: Arc<[f64]>,
+    /// Whether all harmonics hang on the first one of the reference joint.
+    locked: bool,
 }
 
 impl Phases {
     pub fn principal(joints: usize, harmonics: usize) -> Self {
         let centres = vec![0.0; joints * harmonics];
-        Self::new(PhaseForm::Principal, 0, harmonics, centres)
+        Self::new(PhaseForm::Principal, 0, harmonics, centres, false)
     }
 
-    pub fn new(form: PhaseForm, reference: usize, harmonics: usize, centres: Vec<f64>) -> Self {
+    pub fn new(
+        form: PhaseForm,
+        reference: usize,
+        harmonics: usize,
+        centres: Vec<f64>,
+        locked: bool,
+    ) -> Self {
         Self {
+            locked,
             form,
             reference,
             harmonics,
@@ -42,18 +51,27 @@ impl Phases {
         (self.form == PhaseForm::Relative).then_some(self.reference)
     }
 
-    /// The joint to which those of joint `d` are relative.
-    pub fn relative_to(&self, d: usize) -> Option<usize> {
-        self.reference().filter(|reference| *reference != d)
+    pub fn about(&self, centres: Vec<f64>) -> Self {
+        Self {
+            centres: centres.into(),
+            ..self.clone()
+        }
     }
 
-    /// The entries whose sum is Arg w of joint `d` and harmonic `k` (from 0).
+    /// The entry that is added to that of joint `d` and harmonic `k` (from 0) to make Arg w, and how often.
+    pub fn anchor(&self, d: usize, k: usize) -> Option<(usize, f64)> {
+        let reference = self.reference()?;
+        if self.locked {
+            ((d, k) != (reference, 0)).then_some((reference * self.harmonics, (k + 1) as f64))
+        } else {
+            (d != reference).then_some((reference * self.harmonics + k, 1.0))
+        }
+    }
+
+    /// The entries whose sum, with whole coefficients, is Arg w of joint `d` and harmonic `k` (from 0).
     pub fn row(&self, d: usize, k: usize) -> Vec<(usize, f64)> {
         let own = (d * self.harmonics + k, 1.0);
-        match self.relative_to(d) {
-            None => vec![own],
-            Some(reference) => vec![own, (reference * self.harmonics + k, 1.0)],
-        }
+        std::iter::once(own).chain(self.anchor(d, k)).collect()
     }
 
     /// Arg w becomes entries of x.
@@ -78,6 +96,15 @@ impl Phases {
             return;
         };
         let length = self.harmonics;
+        if self.locked {
+            let start = sign * phases[reference * length];
+            for (i, phase) in phases.iter_mut().enumerate() {
+                if i != reference * length {
+                    *phase += (i % length + 1) as f64 * start;
+                }
+            }
+            return;
+        }
         let (before, rest) = phases.split_at_mut(reference * length);
         let (reference, after) = rest.split_at_mut(length);
         for joint in before
@@ -142,6 +169,7 @@ mod tests {
             1,
             2,
             vec![0.1, 3.0, -1.0, 0.0, 2.0, 1.0],
+            false,
         );
         let absolute = [0.5, 1.0, 3.0, -3.0, -2.0, 0.0];
         let mut x = absolute;

@@ -3,7 +3,7 @@
 use super::phases::branch;
 use super::{LogPolar, OffsetForm};
 use crate::error::{Error, ErrorKind, Result};
-use crate::primitive::observation::{Coordinate, Harmonic};
+use crate::primitive::observation::{Coordinate, Harmonic, JitterOf};
 
 /// A frequency this far from a harmonic, in harmonics, is that harmonic.
 const NEAR: f64 = 0.25;
@@ -14,24 +14,29 @@ impl LogPolar {
     /// # Errors
     /// When it is not within 1..=K, or a frequency that is more than a quarter of the spacing from any; the message names both neighbours.
     pub fn harmonic(&self, harmonic: Harmonic) -> Result<usize> {
-        let hertz = |k: usize| k as f64 / self.period();
         let within = |k: usize| {
             if k == 0 || k > self.harmonics() {
-                return Err(
-                    Error::new(ErrorKind::Name, format!("no harmonic {k}")).expected(format!(
-                        "1 to {}, where {} is {:.2} Hz",
-                        self.harmonics(),
-                        self.harmonics(),
-                        hertz(self.harmonics())
-                    )),
-                );
+                let last = self.harmonics();
+                let hertz = self.period().map_or(String::new(), |period| {
+                    format!(", where {last} is {:.2} Hz", last as f64 / period)
+                });
+                return Err(Error::new(ErrorKind::Name, format!("no harmonic {k}"))
+                    .expected(format!("1 to {last}{hertz}")));
             }
             Ok(k)
         };
         match harmonic {
             Harmonic::Number(k) => within(k),
             Harmonic::Hertz(f) => {
-                let turns = f * self.period();
+                let Some(period) = self.period() else {
+                    return Err(Error::new(
+                        ErrorKind::Name,
+                        format!("{f} Hz: every wave has its own frequency"),
+                    )
+                    .expected("the number of a harmonic of the cycle, or `frequency=VALUE`"));
+                };
+                let hertz = |k: usize| k as f64 / period;
+                let turns = f * period;
                 if !(turns >= 0.0 && turns < self.harmonics() as f64 + 1.0) {
                     return Err(
                         Error::new(ErrorKind::Name, format!("{f} Hz")).expected(format!(
@@ -55,8 +60,7 @@ impl LogPolar {
                         below + 1
                     ))
                     .help(format!(
-                        "with T = {:.3} s there is one every {:.3} Hz",
-                        self.period(),
+                        "with T = {period:.3} s there is one every {:.3} Hz",
                         hertz(1)
                     )));
                 }
@@ -88,7 +92,63 @@ impl LogPolar {
                     .collect::<Vec<_>>(),
             )
         };
+        let tail = |expected: &str| {
+            self.tail().ok_or_else(|| {
+                Error::new(
+                    ErrorKind::Unsupported,
+                    format!("{coordinate} in a model whose period is common to all waves"),
+                )
+                .expected(expected)
+                .help("or learn with --period cycle")
+            })
+        };
+        let joints = self.joints().len();
         let row = match coordinate {
+            Coordinate::Modulus { joint, .. } if self.tail().is_some() => {
+                return Err(Error::new(
+                    ErrorKind::Unsupported,
+                    "the modulus of a wave whose cycles vary",
+                )
+                .expected(format!("`swing:{joint}=VALUE`, half of peak to peak")));
+            }
+            Coordinate::Ratio { joint, to, .. } if self.tail().is_some() && joint != to => {
+                return Err(Error::new(
+                    ErrorKind::Unsupported,
+                    "a ratio of moduli of two joints whose cycles vary",
+                )
+                .expected(format!("`sum:1*swing:{joint}-1*swing:{to}=LOGARITHM`")));
+            }
+            Coordinate::Shape { joint, harmonic } => {
+                tail("`modulus:JOINT:K=VALUE`")?;
+                vec![modulus(joint, *harmonic)?]
+            }
+            Coordinate::LockedPhase { joint, harmonic } => {
+                tail("`phase:JOINT/JOINT:K=VALUE`")?;
+                let (d, k) = self.address(joint, *harmonic)?;
+                let (start, times) = self.phases().anchor(d, k).ok_or_else(|| {
+                    Error::new(ErrorKind::Name, "the phase of the reference joint itself")
+                        .expected("phases that are relative, and another joint or harmonic")
+                })?;
+                let own = vec![
+                    (phases + d * self.harmonics() + k, 1.0),
+                    (phases + start, times),
+                ];
+                difference(own, vec![(phases + start, times)])
+            }
+            Coordinate::Swing { joint } => {
+                let start = tail("`modulus:JOINT:K=VALUE`, half the amplitude of a harmonic")?;
+                vec![(start + self.joints().index(joint)?, 1.0)]
+            }
+            Coordinate::Frequency => {
+                vec![(tail("`modulus:JOINT:2.5Hz=VALUE`")? + joints, 1.0)]
+            }
+            Coordinate::Jitter(of) => {
+                let level = match of {
+                    JitterOf::Amplitude => 1,
+                    JitterOf::Tempo => 2,
+                };
+                vec![(tail("a phase or a modulus")? + joints + level, 1.0)]
+            }
             Coordinate::Modulus { joint, harmonic } => vec![modulus(joint, *harmonic)?],
             Coordinate::Phase { joint, harmonic } => phase(joint, *harmonic)?,
             Coordinate::RelativePhase {
@@ -117,13 +177,12 @@ impl LogPolar {
 
     /// Whether it is the logarithm of the coordinate that is linear in x.
     pub(in crate::primitive) fn is_logarithmic(&self, coordinate: &Coordinate) -> Result<bool> {
-        Ok(match coordinate {
-            Coordinate::Modulus { .. } | Coordinate::Ratio { .. } => true,
-            Coordinate::Phase { .. } | Coordinate::RelativePhase { .. } => false,
+        match coordinate {
             Coordinate::Offset { joint } => {
-                self.offset_forms()[self.joints().index(joint)?] != OffsetForm::Signed
+                Ok(self.offset_forms()[self.joints().index(joint)?] != OffsetForm::Signed)
             }
-        })
+            _ => Ok(coordinate.is_logarithmic()),
+        }
     }
 
     /// b of a coordinate's value: the logarithm of a modulus or ratio, the representative of a phase nearest to its branch centre.
@@ -138,11 +197,17 @@ impl LogPolar {
             return refuse("a finite number");
         }
         match coordinate {
-            Coordinate::Modulus { .. } | Coordinate::Ratio { .. } if value <= 0.0 => {
-                refuse("a positive number: its logarithm is learned")
+            Coordinate::Offset { joint } => {
+                self.offset_forms()[self.joints().index(joint)?].charted(value)
             }
-            Coordinate::Modulus { .. } | Coordinate::Ratio { .. } => Ok(libm::log(value)),
-            Coordinate::Phase { .. } | Coordinate::RelativePhase { .. } => {
+            _ if coordinate.is_logarithmic() => {
+                if value > 0.0 {
+                    Ok(libm::log(value))
+                } else {
+                    refuse("a positive number: its logarithm is learned")
+                }
+            }
+            _ => {
                 let (start, _) = self.starts();
                 let centre = self
                     .row(coordinate)?
@@ -150,10 +215,6 @@ impl LogPolar {
                     .map(|(i, c)| c * self.phases().centres()[i - start])
                     .sum();
                 Ok(branch(value, centre))
-            }
-            Coordinate::Offset { joint } => {
-                let form = self.offset_forms()[self.joints().index(joint)?];
-                form.charted(value)
             }
         }
     }
@@ -164,11 +225,11 @@ impl LogPolar {
     /// When the coordinate is not of this chart.
     pub fn value(&self, coordinate: &Coordinate, charted: f64) -> Result<f64> {
         Ok(match coordinate {
-            Coordinate::Modulus { .. } | Coordinate::Ratio { .. } => libm::exp(charted),
-            Coordinate::Phase { .. } | Coordinate::RelativePhase { .. } => charted,
             Coordinate::Offset { joint } => {
                 self.offset_forms()[self.joints().index(joint)?].value(charted)
             }
+            _ if coordinate.is_logarithmic() => libm::exp(charted),
+            _ => charted,
         })
     }
 }

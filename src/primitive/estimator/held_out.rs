@@ -5,9 +5,9 @@ use nalgebra::DVector;
 use super::Estimator;
 use super::density::Density;
 use crate::error::Result;
-use crate::fourier::Wave;
-use crate::primitive::chart::{OffsetForm, PhaseForm, principal};
+use crate::primitive::chart::{ChartForm, principal};
 use crate::primitive::covariance::Covariance;
+use crate::primitive::example::Example;
 use crate::primitive::scatter::Scatter;
 
 /// The weights that are tried.
@@ -30,38 +30,33 @@ pub struct HeldOut {
 }
 
 impl HeldOut {
-    /// Each of the waves left out once, their phases and offsets in the given forms.
+    /// Each demonstration left out once.
     ///
     /// # Errors
-    /// When there are fewer than three waves, or they make no primitive.
-    pub fn each(waves: &[Wave], phases: PhaseForm, offsets: &[OffsetForm]) -> Result<Vec<Self>> {
-        (0..waves.len())
+    /// When there are fewer than three, or they make no primitive.
+    pub fn each(examples: &[Example], form: &ChartForm) -> Result<Vec<Self>> {
+        (0..examples.len())
             .map(|m| {
-                let rest: Vec<Wave> = waves
-                    .iter()
-                    .enumerate()
-                    .filter(|(i, _)| *i != m)
-                    .map(|(_, w)| w.clone())
-                    .collect();
-                Self::new(&rest, &waves[m], phases, offsets)
+                let mut rest = examples.to_vec();
+                let left_out = rest.remove(m);
+                Self::new(&rest, &left_out, form)
             })
             .collect()
     }
 
-    /// `wave` against what `rest` say.
+    /// `example` against what `rest` say.
     ///
     /// # Errors
     /// Those of [`each`](Self::each).
-    pub fn new(
-        rest: &[Wave],
-        wave: &Wave,
-        phases: PhaseForm,
-        offsets: &[OffsetForm],
-    ) -> Result<Self> {
-        let scatter = Scatter::of(rest, phases, offsets)?;
-        let x = scatter.chart.vector(wave)?;
-        let (moduli, _) = scatter.chart.starts();
-        let dominant = (0..moduli)
+    pub fn new(rest: &[Example], example: &Example, form: &ChartForm) -> Result<Self> {
+        let scatter = Scatter::of(rest, form)?;
+        let x = scatter.chart.vector_of(example)?;
+        // Of cycles, the largest swing.
+        let sizes = match scatter.chart.tail() {
+            None => 0..scatter.chart.starts().0,
+            Some(tail) => tail..tail + scatter.chart.joints().len(),
+        };
+        let dominant = sizes
             .filter(|i| scatter.deviations[*i] > 0.0)
             .fold(None, |best: Option<usize>, i| {
                 if best.is_none_or(|b| x[i] > x[b]) {
@@ -162,16 +157,16 @@ impl Estimator {
     ///
     /// # Errors
     /// Those of [`HeldOut::each`].
-    pub fn chosen(self, waves: &[Wave], phases: PhaseForm, offsets: &[OffsetForm]) -> Result<Self> {
+    pub fn chosen(self, examples: &[Example], form: &ChartForm) -> Result<Self> {
         if self != (Self::Kronecker { weight: None }) {
             return Ok(self);
         }
         // With two demonstrations nothing can be left out: the target carries most.
-        if waves.len() < 3 {
+        if examples.len() < 3 {
             return Ok(Self::Kronecker { weight: Some(1.0) });
         }
         let mut sums = [0.0; STEPS];
-        for left_out in HeldOut::each(waves, phases, offsets)? {
+        for left_out in HeldOut::each(examples, form)? {
             for (sum, score) in sums.iter_mut().zip(left_out.scores()?) {
                 *sum += score;
             }

@@ -19,7 +19,7 @@ struct Kind {
     length: usize,
 }
 
-fn kinds(chart: &LogPolar) -> [Kind; 3] {
+fn kinds(chart: &LogPolar) -> Vec<Kind> {
     let (phases, offsets) = chart.starts();
     let (groups, length) = (chart.joints().len(), chart.harmonics());
     let kind = |start, length| Kind {
@@ -27,10 +27,18 @@ fn kinds(chart: &LogPolar) -> [Kind; 3] {
         groups,
         length,
     };
-    [kind(0, length), kind(phases, length), kind(offsets, 1)]
+    let mut kinds = vec![kind(0, length), kind(phases, length), kind(offsets, 1)];
+    // Swings, frequency and levels of jitter together: it is their relation that a change of tempo uses.
+    kinds.extend(chart.tail().map(|start| Kind {
+        start,
+        groups: chart.dimension() - start,
+        length: 1,
+    }));
+    kinds
 }
 
-/// Blocks of correlation A (x) AR(1) for log moduli, for phases, and one for offsets (without harmonics), nothing between them, from `directions` (M x n, unit
+/// Blocks of correlation A (x) AR(1) for log moduli and for phases, and one each for offsets and for swings, frequency and jitter (without harmonics),
+/// nothing between them, from `directions` (M x n, unit
 /// columns, or zero where a coordinate takes no part) times `scales` (n).
 ///
 /// A is pooled over the harmonics and shrunk by OAS, rho is the pooled correlation of neighbouring harmonics: O(D^2) numbers in all.

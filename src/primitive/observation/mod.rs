@@ -55,6 +55,49 @@ pub enum Coordinate {
         to: String,
         to_harmonic: Harmonic,
     },
+    /// Half of peak to peak of a joint's cycle, mean over the cycles of a wave \[rad\]. Of cycles only, as all that follow.
+    Swing { joint: String },
+    /// Cycles a second, mean over a wave \[Hz\].
+    Frequency,
+    /// How lively a wave is: standard deviation of ln amplitude or ln tempo from cycle to cycle (0.05 is 5 %).
+    Jitter(JitterOf),
+    /// |w_{d,h}| over the joint's swing.
+    Shape { joint: String, harmonic: Harmonic },
+    /// Arg w_{d,h} - h Arg w_{ref,1} \[rad\]: a phase that does not depend on the start.
+    LockedPhase { joint: String, harmonic: Harmonic },
+}
+
+/// What varies from cycle to cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum JitterOf {
+    Amplitude,
+    Tempo,
+}
+
+/// In what a coordinate is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// rad; as text degrees or radians.
+    Angle,
+    /// Hz
+    Hertz,
+    /// A plain number.
+    Number,
+    /// A plain number; as text per cent.
+    Share,
+}
+
+impl Unit {
+    /// For people: the factor from the number, and what to write behind it.
+    pub(crate) fn told(self) -> (f64, &'static str) {
+        match self {
+            Self::Angle => (1f64.to_degrees(), "deg"),
+            Self::Hertz => (1.0, "Hz"),
+            Self::Number => (1.0, ""),
+            Self::Share => (100.0, "%"),
+        }
+    }
 }
 
 impl Coordinate {
@@ -104,14 +147,32 @@ impl Coordinate {
             Self::Modulus { harmonic, .. }
             | Self::Phase { harmonic, .. }
             | Self::RelativePhase { harmonic, .. }
-            | Self::Ratio { harmonic, .. } => Some(*harmonic),
-            Self::Offset { .. } => None,
+            | Self::Ratio { harmonic, .. }
+            | Self::Shape { harmonic, .. }
+            | Self::LockedPhase { harmonic, .. } => Some(*harmonic),
+            Self::Offset { .. } | Self::Swing { .. } | Self::Frequency | Self::Jitter(_) => None,
         }
     }
 
-    /// Whether it is an angle \[rad\], and not a plain number.
-    pub fn is_angle(&self) -> bool {
-        !matches!(self, Self::Ratio { .. })
+    /// In what it is told.
+    pub fn unit(&self) -> Unit {
+        match self {
+            Self::Ratio { .. } | Self::Shape { .. } => Unit::Number,
+            Self::Frequency => Unit::Hertz,
+            Self::Jitter(_) => Unit::Share,
+            _ => Unit::Angle,
+        }
+    }
+
+    /// Whether it is its logarithm that is linear in x (but for offsets, whose form the chart knows).
+    pub(super) fn is_logarithmic(&self) -> bool {
+        !matches!(
+            self,
+            Self::Phase { .. }
+                | Self::RelativePhase { .. }
+                | Self::LockedPhase { .. }
+                | Self::Offset { .. }
+        )
     }
 }
 
@@ -132,6 +193,12 @@ impl fmt::Display for Coordinate {
                 to,
                 to_harmonic,
             } => write!(f, "ratio:{joint}:{harmonic}/{to}:{to_harmonic}"),
+            Self::Swing { joint } => write!(f, "swing:{joint}"),
+            Self::Frequency => f.write_str("frequency"),
+            Self::Jitter(JitterOf::Amplitude) => f.write_str("jitter:amplitude"),
+            Self::Jitter(JitterOf::Tempo) => f.write_str("jitter:tempo"),
+            Self::Shape { joint, harmonic } => write!(f, "shape:{joint}:{harmonic}"),
+            Self::LockedPhase { joint, harmonic } => write!(f, "lock:{joint}:{harmonic}"),
         }
     }
 }
@@ -165,7 +232,7 @@ impl fmt::Display for Quantity {
 ///
 /// As text, angles always with a unit: `modulus:elbow:10=5deg`, `modulus:elbow:1.5Hz=5deg+-0.5deg`, `phase:elbow:10=-0.5rad`,
 /// `phase:wrist/elbow:10=30deg`, `ratio:wrist:10/elbow:10=0.9`, `offset:wrist=10deg+-2deg`,
-/// `sum:1*modulus:elbow:10-2*modulus:wrist:10=0.3`.
+/// `sum:1*modulus:elbow:10-2*modulus:wrist:10=0.3`; of cycles `frequency=2.5Hz`, `swing:elbow=10deg`, `jitter:amplitude=5%`, `jitter:tempo=3%`.
 ///
 /// ```
 /// use undulate::{Coordinate, Observation};
@@ -297,11 +364,9 @@ const SMALLEST_DEVIATION: f64 = 1e-9;
 
 impl fmt::Display for Observation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let in_degrees = matches!(&self.quantity, Quantity::One(c) if c.is_angle());
-        let (scale, unit) = if in_degrees {
-            (1f64.to_degrees(), "deg")
-        } else {
-            (1.0, "")
+        let (scale, unit) = match &self.quantity {
+            Quantity::One(coordinate) => coordinate.unit().told(),
+            Quantity::Sum(_) => Unit::Number.told(),
         };
         write!(f, "{}={:.4}{unit}", self.quantity, scale * self.value)?;
         if self.deviation > 0.0 {

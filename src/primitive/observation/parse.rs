@@ -2,12 +2,12 @@
 
 use std::str::FromStr;
 
-use super::{Coordinate, Harmonic, Observation, Quantity};
+use super::{Coordinate, Harmonic, JitterOf, Observation, Quantity, Unit};
 use crate::error::{Error, ErrorKind, Result};
 use crate::units::parse_angle_with_unit;
 
 const GRAMMAR: &str = "`modulus:JOINT:K=VALUE`, `phase:JOINT:K=VALUE`, `phase:JOINT/JOINT:K=VALUE`, `ratio:JOINT:K/JOINT:K=NUMBER`, `offset:JOINT=VALUE` or \
-    `sum:C*COORDINATE+C*COORDINATE=NUMBER`, with K a number or a frequency like 1.5Hz, VALUE like 5deg or 0.1rad, and `+-VALUE` after it for a standard deviation";
+    `sum:C*COORDINATE+C*COORDINATE=NUMBER`, of cycles `frequency=2.5Hz`, `swing:JOINT=VALUE`, `jitter:amplitude=5%` or `jitter:tempo=5%`, with K a number or a frequency like 1.5Hz, VALUE like 5deg or 0.1rad, and `+-VALUE` after it for a standard deviation";
 
 fn malformed(what: impl Into<String>) -> Error {
     Error::new(ErrorKind::Syntax, what).expected(GRAMMAR)
@@ -27,9 +27,15 @@ fn parse(text: &str) -> Result<Observation> {
         Some(terms) => Quantity::Sum(sum(terms)?),
         None => Quantity::One(left.parse()?),
     };
-    let number = |text: &str| match &quantity {
-        Quantity::One(c) if c.is_angle() => parse_angle_with_unit(text),
-        _ => plain(text),
+    let unit = match &quantity {
+        Quantity::One(coordinate) => coordinate.unit(),
+        Quantity::Sum(_) => Unit::Number,
+    };
+    let number = |text: &str| match unit {
+        Unit::Angle => parse_angle_with_unit(text),
+        Unit::Number => plain(text),
+        Unit::Hertz => suffixed(text, "Hz"),
+        Unit::Share => suffixed(text, "%").map(|share| share / 100.0),
     };
     let (value, deviation) = match right.split_once("+-") {
         None => (number(right)?, 0.0),
@@ -57,6 +63,11 @@ fn plain(text: &str) -> Result<f64> {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(malformed(format!("number `{}`", text.trim()))),
     }
+}
+
+fn suffixed(text: &str, unit: &str) -> Result<f64> {
+    let number = text.trim().strip_suffix(unit);
+    plain(number.ok_or_else(|| malformed(format!("`{}` without its unit, {unit}", text.trim())))?)
 }
 
 /// `2*modulus:elbow:10-1*modulus:wrist:10`: every term begins with its coefficient.
@@ -103,6 +114,9 @@ impl FromStr for Coordinate {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
+        if text.trim() == "frequency" {
+            return Ok(Self::Frequency);
+        }
         let (quantity, rest) = text
             .split_once(':')
             .ok_or_else(|| malformed("no `:` after the quantity"))?;
@@ -138,6 +152,18 @@ impl FromStr for Coordinate {
             "offset" => Ok(Self::Offset {
                 joint: rest.trim().to_owned(),
             }),
+            "swing" => Ok(Self::Swing {
+                joint: rest.trim().to_owned(),
+            }),
+            "jitter" => match rest.trim() {
+                "amplitude" => Ok(Self::Jitter(JitterOf::Amplitude)),
+                "tempo" => Ok(Self::Jitter(JitterOf::Tempo)),
+                other => Err(malformed(format!("jitter of `{other}`"))),
+            },
+            "shape" => addressed(rest).map(|(joint, harmonic)| Self::Shape { joint, harmonic }),
+            "lock" => {
+                addressed(rest).map(|(joint, harmonic)| Self::LockedPhase { joint, harmonic })
+            }
             other => Err(malformed(format!("quantity `{other}`"))),
         }
     }
@@ -163,11 +189,24 @@ mod tests {
         }
         for text in [
             "ratio:wrist:20/elbow:10=0.9",
+            "shape:wrist:2=0.25",
             "sum:1*modulus:a-b:10-2*modulus:wrist:1.5Hz+0.5*offset:a=-0.3",
         ] {
             let observation: Observation = text.parse().unwrap();
             let written = format!("{}={}", observation.quantity, observation.value);
             assert_eq!(written, text);
+        }
+        for (text, value) in [
+            ("frequency=2.5Hz", 2.5),
+            ("swing:wrist=180deg", PI),
+            ("jitter:tempo=5%", 0.05),
+            ("jitter:amplitude = 5 %", 0.05),
+            ("lock:wrist:2=180deg", PI),
+        ] {
+            let observation: Observation = text.parse().unwrap();
+            assert_eq!(observation.value, value, "{text}");
+            let name = observation.quantity.to_string();
+            assert_eq!(Some(name.as_str()), text.split('=').next().map(str::trim));
         }
         let degrees: Observation = "phase:elbow:3 = 180 deg +- 90deg".parse().unwrap();
         assert_eq!((degrees.value, degrees.deviation), (PI, PI / 2.0));
@@ -194,6 +233,11 @@ mod tests {
             "ratio:elbow:1/wrist=2",
             "ratio:elbow:1/wrist:1=2deg",
             "sum:=1",
+            "frequency=2.5",
+            "frequency:a=2.5Hz",
+            "jitter:mood=5%",
+            "jitter:tempo=0.05",
+            "swing:a:1=5",
             "sum:modulus:elbow:1=1",
             "sum:x*modulus:elbow:1=1",
         ] {

@@ -1,0 +1,122 @@
+//! What a chart of cycles has more: swings, frequency, and how lively the jitter is.
+
+use nalgebra::DVector;
+
+use crate::elementary::exp;
+use crate::error::Result;
+use crate::fourier::{Autoregression, CycleRing, Derivative, PeriodGrid, Wave};
+
+/// Points at which a cycle is looked at for its largest and smallest position, for each harmonic: between them the highest harmonic, which is the
+/// smallest, moves by less than 0.5 % of its amplitude.
+const POINTS: usize = 32;
+
+/// Levels of jitter below this are no different from none: a tenth of a per cent from cycle to cycle.
+const LEAST_JITTER: f64 = 1e-3;
+
+/// Largest |ln| of the amplitude or tempo of one cycle relative to the mean.
+const LARGEST_DEVIATION: f64 = 3.0;
+
+/// Entries after the swings: ln f and two levels of jitter.
+pub(super) const AFTER_SWINGS: usize = 3;
+
+/// How cycles follow each other in a drawn wave: C of them on a ring, ln amplitude and ln tempo as autoregressions of first order.
+#[derive(Debug, Clone)]
+pub struct Cycles {
+    ring: CycleRing,
+    amplitude: Autoregression,
+    tempo: Autoregression,
+    grid: PeriodGrid,
+}
+
+impl PartialEq for Cycles {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |c: &Self| (c.count(), c.amplitude, c.tempo, c.grid.points());
+        numbers(self) == numbers(other)
+    }
+}
+
+/// Standard deviations of ln amplitude and of ln tempo from cycle to cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct Jitter {
+    pub amplitude: f64,
+    pub tempo: f64,
+}
+
+impl Cycles {
+    /// Rings of `count` cycles of so many harmonics, with the two autoregressions.
+    ///
+    /// # Errors
+    /// When there is no cycle, or more than a thousand.
+    pub fn new(
+        count: usize,
+        harmonics: usize,
+        amplitude: Autoregression,
+        tempo: Autoregression,
+    ) -> Result<Self> {
+        Ok(Self {
+            ring: CycleRing::new(count)?,
+            amplitude,
+            tempo,
+            grid: PeriodGrid::new(POINTS * harmonics, harmonics),
+        })
+    }
+
+    /// C.
+    pub fn count(&self) -> usize {
+        self.ring.cycles()
+    }
+
+    /// How ln amplitude follows that of the cycle before.
+    pub fn amplitude(&self) -> Autoregression {
+        self.amplitude
+    }
+
+    /// How ln tempo follows that of the cycle before.
+    pub fn tempo(&self) -> Autoregression {
+        self.tempo
+    }
+
+    /// Half of peak to peak of each joint of a steady cycle \[rad\] (D).
+    pub(super) fn swings(&self, wave: &Wave) -> DVector<f64> {
+        let positions = wave.on_grid(&self.grid, Derivative::Position);
+        DVector::from_iterator(
+            positions.ncols(),
+            positions.column_iter().map(|y| {
+                let (low, high) = y.iter().fold((y[0], y[0]), |(low, high): (f64, f64), y| {
+                    (low.min(*y), high.max(*y))
+                });
+                (high - low) / 2.0
+            }),
+        )
+    }
+
+    /// The entries of x that follow the swings.
+    pub(super) fn tail(wave: &Wave, jitter: Jitter) -> [f64; AFTER_SWINGS] {
+        [
+            -libm::log(wave.period()),
+            libm::log(jitter.amplitude.max(LEAST_JITTER)),
+            libm::log(jitter.tempo.max(LEAST_JITTER)),
+        ]
+    }
+
+    /// The wave of C cycles about a steady one, with levels of jitter as they stand in x, from 2 C standard normal numbers.
+    pub(in crate::primitive) fn enliven(
+        &self,
+        steady: &Wave,
+        levels: [f64; 2],
+        normals: &[f64],
+    ) -> Result<Wave> {
+        let (first, second) = normals.split_at(self.count());
+        let series = |process: Autoregression, normals: &[f64], level: f64| -> Vec<f64> {
+            let level = exp(level);
+            let scaled = |x: f64| (level * x).clamp(-LARGEST_DEVIATION, LARGEST_DEVIATION);
+            process.on_ring(normals).into_iter().map(scaled).collect()
+        };
+        self.ring.wave(
+            steady,
+            &series(self.amplitude, first, levels[0]),
+            &series(self.tempo, second, levels[1]),
+        )
+    }
+}
