@@ -136,10 +136,10 @@ pub use fourier::{
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
 pub use primitive::{
-    ChartForm, Coordinate, Covariance, Cycles, Estimator, Example, FourierMovementPrimitive,
-    Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker, LearnOptions, LinearObservation,
-    LogPolar, Observation, OffsetEvidence, OffsetForm, Offsets, PhaseForm, Quantity, Start,
-    StartSpread, TrajectoryMoments, Unit, stream,
+    Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator, Example,
+    FourierMovementPrimitive, Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker,
+    LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm, Offsets,
+    PhaseForm, Quantity, Start, StartSpread, TrajectoryMoments, Unit, stream,
 };
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};

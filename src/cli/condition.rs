@@ -5,27 +5,33 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::primitive::{FourierMovementPrimitive, Observation, Quantity, Unit};
 
 /// Standard deviations within which a condition is nothing unusual.
 const USUAL: f64 = 3.0;
 
-/// Condition a model on amplitudes, phases and postures.
+/// Condition a model on amplitudes, phases, postures, tempo: exactly, or within a standard deviation.
 #[derive(Args)]
-#[command(
-    after_help = "A condition is `modulus:JOINT:K=VALUE` (half the amplitude of harmonic K), `phase:JOINT:K=VALUE` or `offset:JOINT=VALUE`,\n\
-    with a value in deg or rad.\n\n\
-    Example:\n  \
-    undulate condition model.json --given modulus:elbow_flexion:10=5deg -o large.json"
-)]
+#[command(after_help = "Conditions:\n  \
+    modulus:JOINT:K=5deg            half the amplitude of harmonic K; K may be a frequency, 1.5Hz\n  \
+    phase:JOINT:K=0.5rad            its phase; phase:JOINT/JOINT:K=30deg the phase between two joints\n  \
+    offset:JOINT=10deg              the posture\n  \
+    ratio:JOINT:K/JOINT:K=0.9       of two moduli\n  \
+    sum:2*COORDINATE-1*COORDINATE=0.3   any linear row over ln moduli, phases [rad], offsets [rad]\n\
+    and of models of cycles:\n  \
+    frequency=2.5Hz, swing:JOINT=10deg, jitter:amplitude=5%, jitter:tempo=3%\n\
+    `+-VALUE` (or +-10%) behind a value makes it a wish with a standard deviation.\n\n\
+    Examples:\n  \
+    undulate condition model.json --given modulus:elbow_flexion:10=5deg -o large.json\n  \
+    undulate condition lively.json --tempo 1.2x --size 0.8x --more wrist_deviation -o quick.json")]
 pub(super) struct Arguments {
     /// The model file.
     model: PathBuf,
-    /// A value that every sampled wave shall have; may be given several times.
-    #[arg(long, value_name = "CONDITION", required = true)]
-    given: Vec<Observation>,
+    #[command(flatten)]
+    wishes: Wishes,
     /// The model file to write.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
@@ -33,9 +39,14 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let primitive = read_model(&arguments.model)?;
-    let conditioned = primitive.condition(&arguments.given)?;
-    let distance = primitive.mahalanobis(&arguments.given)?;
-    let usual = USUAL * (arguments.given.len() as f64).sqrt();
+    let given = arguments.wishes.observations(&primitive)?;
+    if given.is_empty() {
+        return Err(Error::new(ErrorKind::Setting, "no condition")
+            .expected("--given, --tempo, --size, --more or --livelier"));
+    }
+    let conditioned = primitive.condition(&given)?;
+    let distance = primitive.mahalanobis(&given)?;
+    let usual = USUAL * (given.len() as f64).sqrt();
     if distance > usual {
         output::warn(format!(
             "the conditions lie {distance:.1} standard deviations from the demonstrations, more than {usual:.1}: the rest of the wave is extrapolated, moduli exponentially; look at what `undulate sample` draws"
@@ -44,13 +55,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     output::write(&arguments.output, conditioned.to_json().as_bytes())?;
     let value = json!({
         "model": arguments.output,
-        "given": arguments.given.iter().map(|o| observation_json(&primitive, o)).collect::<Vec<_>>(),
+        "given": given.iter().map(|o| observation_json(&primitive, o)).collect::<Vec<_>>(),
         "mahalanobis_distance": distance,
         "rank_before": primitive.gaussian().rank(),
         "rank": conditioned.gaussian().rank(),
     });
-    let rows = arguments
-        .given
+    let rows = given
         .iter()
         .map(|o| observation_row(&primitive, o))
         .collect::<Result<Vec<_>>>()?;

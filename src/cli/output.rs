@@ -23,6 +23,11 @@ pub(super) fn report(json: bool, value: &Value, words: impl FnOnce() -> String) 
     }
 }
 
+/// A line beside the report, on standard error.
+pub(super) fn note(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stderr(), "{}", text.as_ref());
+}
+
 /// Something that the user should know and that stops nothing.
 pub(super) fn warn(text: impl AsRef<str>) {
     let _ = writeln!(

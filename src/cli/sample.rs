@@ -8,12 +8,13 @@ use serde_json::json;
 
 use super::check::STEP;
 use super::robot::{RobotArguments, tell_notes};
+use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
 use crate::collision::CollisionModel;
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
 use crate::fourier::{Derivative, Joints, PeriodGrid, Wave};
-use crate::primitive::{Observation, stream};
+use crate::primitive::{Bound, Bounds, Start, stream};
 use crate::retarget::JointMap;
 use crate::robot::Robot;
 
@@ -49,9 +50,14 @@ pub(super) struct Arguments {
     /// The joint map for --robot, as in `undulate check`.
     #[arg(long, value_name = "TOML|NAME", requires = "robot")]
     map: Option<String>,
-    /// A condition as in `undulate condition`; may be given several times.
-    #[arg(long, value_name = "CONDITION")]
-    given: Vec<Observation>,
+    #[command(flatten)]
+    wishes: Wishes,
+    /// Where in its period a wave starts: `kept` as the demonstrations did, `redrawn` anywhere, or a phase of its largest weight, such as 0deg.
+    #[arg(long, value_name = "START", default_value = "kept")]
+    start: Start,
+    /// Keep only waves of which a joint never leaves an interval, such as elbow_flexion=20deg..130deg; may be given several times.
+    #[arg(long, value_name = "JOINT=LOW..HIGH")]
+    within: Vec<Bound>,
     /// Write a table of joint positions beside each wave file, so many rows a second (`time_s`, then a column a joint [rad]).
     #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
     csv: Option<f64>,
@@ -80,7 +86,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         }
         rate => rate,
     };
-    let primitive = read_model(&arguments.model)?.condition(&arguments.given)?;
+    let primitive = read_model(&arguments.model)?;
+    let primitive = primitive.condition(&arguments.wishes.observations(&primitive)?)?;
+    let bounds = Bounds::new(primitive.chart().joints(), &arguments.within)?;
     let gate = match &arguments.robot {
         Some(robot) => {
             let (robot, map) = (robot.clone(), arguments.map.clone());
@@ -93,16 +101,16 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let bar = output::progress(arguments.count, "drawing waves");
     let mut files = Vec::new();
-    let mut draws = 0;
+    let (mut draws, mut within) = (0, 0);
     while (files.len() as u64) < arguments.count {
         if draws >= MOST_DRAWS.saturating_mul(arguments.count) {
             return Err(Error::new(
                 ErrorKind::Infeasible,
-                format!("{} of {draws} draws pass the check", files.len()),
+                format!("{} of {draws} draws can be used", files.len()),
             )
             .expected(format!("{} waves", arguments.count))
             .help(
-                "look at one with `undulate check`; condition on smaller moduli or another posture",
+                "wider --within, smaller moduli, another posture; look at one with `undulate check`",
             ));
         }
         let index = arguments
@@ -110,7 +118,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             .checked_add(draws)
             .ok_or_else(|| Error::new(ErrorKind::Setting, "--first is too large"))?;
         draws += 1;
-        let wave = primitive.sample(&mut stream(arguments.seed, index));
+        let mut rng = stream(arguments.seed, index);
+        let wave = primitive.sample(&mut rng);
+        let wave = arguments.start.apply(&wave, &mut rng);
+        if !bounds.admit(&wave) {
+            continue;
+        }
+        within += 1;
         if let Some(gate) = &gate
             && !gate.passes(&wave)?
         {
@@ -130,7 +144,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let value = json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "draws": draws, "waves": files});
+    let value = json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "draws": draws, "within_bounds": within, "waves": files});
     output::report(json, &value, || {
         let mut text = match files.as_slice() {
             [one] => format!("wrote {}", one.display()),
@@ -142,6 +156,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         };
         if rows.is_some() {
             text.push_str(", and a table beside each");
+        }
+        if !arguments.within.is_empty() {
+            text.push_str(&format!(
+                "; {within} of {draws} draws stay within the bounds ({:.0} %)",
+                100.0 * f64::from(within) / draws as f64
+            ));
         }
         if gate.is_some() {
             text.push_str(&format!(

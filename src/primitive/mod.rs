@@ -1,11 +1,13 @@
 //! [`FourierMovementPrimitive`]: a distribution over waves, learned from demonstrations.
 
+mod bounds;
 mod chart;
 mod covariance;
 mod estimator;
 mod example;
 mod file;
 mod gaussian;
+mod knobs;
 mod kronecker;
 mod learn;
 mod moments;
@@ -21,6 +23,7 @@ use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
+pub use bounds::{Bound, BoundedDraws, Bounds};
 pub use chart::{ChartForm, Cycles, Jitter, LogPolar, OffsetForm, PhaseForm};
 pub use covariance::Covariance;
 pub use estimator::{Estimator, HeldOut};
