@@ -17,8 +17,8 @@ const SHORTEST: f64 = 1e-12;
 /// Probability with which a phase that is uniform is taken for one that is not.
 const UNIFORMITY_LEVEL: f64 = 0.05;
 
-/// Of fewer demonstrations than this no spread whatever would reject uniformity at that level: there is no test.
-const FEWEST_FOR_TEST: usize = 3;
+/// Of effectively fewer demonstrations than this no spread whatever would reject uniformity at that level: there is no test.
+const FEWEST_FOR_TEST: f64 = 3.0;
 
 /// The standard deviation \[rad\] of a phase that is uniform: wrapped, such a normal density is uniform to 6e-9.
 pub(super) const UNIFORM: f64 = std::f64::consts::TAU;
@@ -125,9 +125,7 @@ impl Scatter {
         let effective = 1.0 / dot(&shares, &shares);
         // 1 for angles that are all the same, but for rounding.
         let length = resultant.norm().min(1.0);
-        if values.len() >= FEWEST_FOR_TEST
-            && (-effective * length * length).exp() > UNIFORMITY_LEVEL
-        {
+        if effective >= FEWEST_FOR_TEST && rayleigh(effective, length) > UNIFORMITY_LEVEL {
             self.uniform.push(i);
             return;
         }
@@ -162,6 +160,16 @@ impl Scatter {
     pub fn count(&self) -> usize {
         self.directions.nrows()
     }
+}
+
+/// The probability that N uniform angles have a resultant of this length or more, to O(N^-2) (Mardia and Jupp, equation (6.3.4)).
+fn rayleigh(n: f64, length: f64) -> f64 {
+    let z = n * length * length;
+    let first = (2.0 * z - z * z) / (4.0 * n);
+    let second =
+        (24.0 * z - 132.0 * z.powi(2) + 76.0 * z.powi(3) - 9.0 * z.powi(4)) / (288.0 * n * n);
+    // Far in the tail the series is no longer small, and the probability is nothing.
+    (-z).exp() * (1.0 + first - second).max(0.0)
 }
 
 /// The joint with most energy over all waves and harmonics: its phases are the best known.
