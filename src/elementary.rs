@@ -1,9 +1,12 @@
 //! exp, sin and cos with the same bits on every machine, for moderate arguments and many of them.
 //!
 //! The system's mathematics library differs from machine to machine in the last bit, and the `libm` crate, which does not,
-//! takes one number at a time. These are branch-free sequences of IEEE additions and multiplications (never fused), so the
-//! compiler may put them into vectors of any width without changing a result. Taylor's series on the reduced argument, to
-//! where the next term is below 2^-57; tested against `libm`: exp to 4 machine epsilons of its value, sin and cos to one of 1.
+//! takes one number at a time. These are branch-free sequences of IEEE operations (never fused), so the compiler may put
+//! them into vectors of any width without changing a result. Taylor's series on the reduced argument, to where the next
+//! term is below 2^-57; tested against `libm`: exp to 4 machine epsilons of its value, sin and cos to one of 1.
+
+use fearless_simd::{Level, dispatch};
+use num_complex::Complex;
 
 /// The largest |x| of [`exp`] and [`sin_cos`].
 pub(crate) const LARGEST: f64 = 600.0;
@@ -49,6 +52,23 @@ pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
         f64::from_bits(pick(sin, cos) ^ sign(quadrant)),
         f64::from_bits(pick(cos, sin) ^ sign(quadrant.wrapping_add(1))),
     )
+}
+
+/// e^l (cos p + i sin p) for pairs of `logarithms` and `phases`, none beyond [`LARGEST`], in place of what `numbers` holds.
+pub(crate) fn polar(logarithms: &[f64], phases: &[f64], numbers: &mut Vec<Complex<f64>>) {
+    numbers.clear();
+    numbers.resize(logarithms.len().min(phases.len()), Complex::ZERO);
+    dispatch!(Level::new(), _ => polar_loop(logarithms, phases, numbers));
+}
+
+/// A loop over slices: an iterator's methods would not be compiled for the processor at hand.
+#[inline(always)]
+fn polar_loop(logarithms: &[f64], phases: &[f64], numbers: &mut [Complex<f64>]) {
+    for ((logarithm, phase), number) in logarithms.iter().zip(phases).zip(numbers) {
+        let modulus = exp(*logarithm);
+        let (sin, cos) = sin_cos(*phase);
+        *number = Complex::new(modulus * cos, modulus * sin);
+    }
 }
 
 /// c_0 + c_1 x + c_2 x^2 + ..
@@ -125,5 +145,21 @@ mod tests {
             );
         }
         assert_eq!(sin_cos(0.0), (0.0, 1.0));
+    }
+
+    #[test]
+    fn polar_numbers_are_exp_and_sin_cos_to_the_last_bit() {
+        let l: Vec<f64> = arguments().step_by(1999).collect();
+        let p: Vec<f64> = l.iter().map(|l| 0.01 * l).collect();
+        // So that some are left over when vectors are full.
+        assert!(!l.len().is_multiple_of(2));
+        let mut numbers = vec![Complex::ONE];
+        polar(&l, &p, &mut numbers);
+        assert_eq!(numbers.len(), l.len());
+        for ((number, l), p) in numbers.iter().zip(l).zip(p) {
+            let (modulus, (sin, cos)) = (exp(l), sin_cos(p));
+            assert_eq!(number.re.to_bits(), (modulus * cos).to_bits());
+            assert_eq!(number.im.to_bits(), (modulus * sin).to_bits());
+        }
     }
 }

@@ -1,10 +1,9 @@
 //! The log-polar chart: waves as vectors in which amplitude and phase are coordinates.
 
 use nalgebra::{DMatrix, DVector};
-use num_complex::Complex;
 
 use super::observation::Coordinate;
-use crate::elementary::{LARGEST, exp, sin_cos};
+use crate::elementary::{LARGEST, polar};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
@@ -173,16 +172,9 @@ impl LogPolar {
         }
         let (logarithms, rest) = x.as_slice().split_at(self.phases());
         let (phases, offsets) = rest.split_at(self.phases());
-        let polar: Vec<Complex<f64>> = logarithms
-            .iter()
-            .zip(phases)
-            .map(|(logarithm, phase)| {
-                let modulus = exp(*logarithm);
-                let (sin, cos) = sin_cos(*phase);
-                Complex::new(modulus * cos, modulus * sin)
-            })
-            .collect();
-        let weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &polar);
+        let mut numbers = Vec::new();
+        polar(logarithms, phases, &mut numbers);
+        let weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &numbers);
         let offsets = DVector::from_column_slice(offsets);
         Wave::new(self.joints.clone(), self.period, offsets, weights)
     }
