@@ -1,9 +1,9 @@
-//! exp, sin and cos with the same bits on every machine, for moderate arguments and many of them.
+//! exp, ln, sin and cos with the same bits on every machine, for moderate arguments and many of them.
 //!
 //! The system's mathematics library differs from machine to machine in the last bit, and the `libm` crate, which does not,
 //! takes one number at a time. These are branch-free sequences of IEEE operations (never fused), so the compiler may put
 //! them into vectors of any width without changing a result. Taylor's series on the reduced argument, to where the next
-//! term is below 2^-57; tested against `libm`: exp to 4 machine epsilons of its value, sin and cos to one of 1.
+//! term is below 2^-57; tested against `libm`: exp and ln to 4 machine epsilons of their values, sin and cos to one of 1.
 
 use fearless_simd::{Level, dispatch};
 use num_complex::Complex;
@@ -33,6 +33,26 @@ pub(crate) fn exp(x: f64) -> f64 {
     let exponent = shifted.to_bits().wrapping_add(1023) << 52;
     series * f64::from_bits(exponent)
 }
+
+/// ln x for normal x > 0.
+#[inline(always)]
+pub(crate) fn ln(x: f64) -> f64 {
+    // x = 2^k m with m from sqrt(1/2) to sqrt 2: so that k is 0 about x = 1, where ln m alone must be accurate.
+    let shifted = x.to_bits().wrapping_add(1.0_f64.to_bits() - LEAST_MANTISSA);
+    let k = f64::from_bits(WHOLE | (shifted >> 52)) - (f64::from_bits(WHOLE) + 1023.0);
+    let m = f64::from_bits((shifted & (u64::MAX >> 12)) + LEAST_MANTISSA);
+    // ln m = 2 artanh s, |s| < 0.172.
+    let s = (m - 1.0) / (m + 1.0);
+    let square = s * s;
+    let series = 2.0 * s + 2.0 * s * (square * horner(square, &ARTANH));
+    k * LN_2[0] + (k * LN_2[1] + series)
+}
+
+/// sqrt(1/2), the least m of [`ln`], as bits.
+const LEAST_MANTISSA: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+
+/// 2^52, as bits: a number below 2^52 put into its low bits is added.
+const WHOLE: u64 = 0x433 << 52;
 
 /// sin x and cos x for |x| <= [`LARGEST`].
 #[inline(always)]
@@ -88,6 +108,17 @@ const EXP: [f64; 14] = reciprocal_factorials(1, 1, [1.0, 1.0]);
 /// (sin r - r) / r^3 and (cos r - 1 + r^2 / 2) / r^4, in powers of r^2.
 const SIN: [f64; 8] = reciprocal_factorials(3, 2, [-1.0, 1.0]);
 const COS: [f64; 7] = reciprocal_factorials(4, 2, [1.0, -1.0]);
+
+/// (artanh s - s) / s^3 in powers of s^2: 1/3, 1/5, ..
+const ARTANH: [f64; 10] = {
+    let mut coefficients = [0.0; 10];
+    let mut i = 0;
+    while i < coefficients.len() {
+        coefficients[i] = 1.0 / (2 * i + 3) as f64;
+        i += 1;
+    }
+    coefficients
+};
 
 /// 1 / n! for n = `first`, `first + step`, .., with alternating `signs`.
 const fn reciprocal_factorials<const N: usize>(
@@ -145,6 +176,37 @@ mod tests {
             );
         }
         assert_eq!(sin_cos(0.0), (0.0, 1.0));
+    }
+
+    #[test]
+    fn ln_agrees_with_libm() {
+        // All over (0, 1], close to 1 on both sides, about the powers of two, and where the mantissa is split.
+        let shares = (1..=100_000).map(|i| f64::from(i) / 100_000.0);
+        let close = (1..=1000).flat_map(|i| {
+            let step = f64::from(i) * f64::EPSILON;
+            [
+                1.0 - step,
+                1.0 + step,
+                std::f64::consts::FRAC_1_SQRT_2 + step - 500.0 * f64::EPSILON,
+            ]
+        });
+        let powers = (0..=53).flat_map(|k| {
+            let power = libm::ldexp(1.0, -k);
+            [
+                power,
+                power * (1.0 + f64::EPSILON),
+                power * 0.75,
+                power * (std::f64::consts::SQRT_2 - f64::EPSILON),
+            ]
+        });
+        for x in shares.chain(close).chain(powers) {
+            let (found, expected) = (ln(x), libm::log(x));
+            assert!(
+                (found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs(),
+                "{x:e}: {found:e} {expected:e}"
+            );
+        }
+        assert_eq!(ln(1.0), 0.0);
     }
 
     #[test]
