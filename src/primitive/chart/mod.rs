@@ -8,7 +8,6 @@ mod rows;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use num_complex::Complex;
 
 pub use cycle::{Cycles, Jitter};
 pub use form::{ChartForm, OffsetForm, PhaseForm};
@@ -16,7 +15,7 @@ pub(super) use phases::{Phases, principal};
 
 use super::example::Example;
 use super::observation::{Coordinate, JitterOf};
-use crate::elementary::{LARGEST, exp, sin_cos};
+use crate::elementary::{LARGEST, exp, polar};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
@@ -281,22 +280,13 @@ impl LogPolar {
         let (phases, offsets) = self.starts();
         let mut angles = x.as_slice()[phases..offsets].to_vec();
         self.phases.absolute(&mut angles);
-        let polar: Vec<Complex<f64>> = x.as_slice()[..phases]
-            .iter()
-            .zip(angles)
-            .map(|(logarithm, phase)| {
-                let modulus = exp(*logarithm);
-                // A sum of entries within bounds may lie beyond them.
-                let near = if phase.abs() <= LARGEST {
-                    phase
-                } else {
-                    principal(phase)
-                };
-                let (sin, cos) = sin_cos(near);
-                Complex::new(modulus * cos, modulus * sin)
-            })
-            .collect();
-        let mut weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &polar);
+        // A sum of entries within bounds may lie beyond them.
+        for angle in angles.iter_mut().filter(|a| a.abs() > LARGEST) {
+            *angle = principal(*angle);
+        }
+        let mut numbers = Vec::new();
+        polar(&x.as_slice()[..phases], &angles, &mut numbers);
+        let mut weights = DMatrix::from_row_slice(self.joints.len(), self.harmonics, &numbers);
         let offsets = DVector::from_fn(self.joints.len(), |d, _| {
             self.offsets[d].value(x[offsets + d])
         });
