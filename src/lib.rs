@@ -106,6 +106,7 @@ pub mod figure;
 mod fourier;
 #[cfg(feature = "robot")]
 mod geometry;
+mod normal;
 mod primitive;
 #[cfg(feature = "robot")]
 mod retarget;

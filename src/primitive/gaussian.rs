@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use rand::Rng;
 
-use super::normal;
 use crate::error::{Error, ErrorKind, Result};
+use crate::normal;
 
 /// A direction whose standard deviation is below this has no variance left: coordinates are radians and logarithms,
 /// and what conditioning on a coordinate leaves of it is of the order of 1e-16.

@@ -3,7 +3,6 @@
 mod chart;
 mod file;
 mod gaussian;
-mod normal;
 mod observation;
 
 use std::fmt;
