@@ -107,6 +107,7 @@ mod fourier;
 #[cfg(feature = "robot")]
 mod geometry;
 mod normal;
+pub mod posterior;
 mod primitive;
 #[cfg(feature = "robot")]
 mod retarget;
@@ -134,6 +135,7 @@ pub use feasibility::{LimitUse, Verdict, limits};
 pub use fourier::{Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave};
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
+pub use posterior::Diagnostics;
 pub use primitive::{
     Coordinate, FourierMovementPrimitive, Gaussian, LogPolar, Observation, stream,
 };
@@ -159,6 +161,7 @@ const _: () = {
     shared::<PeriodGrid>();
     shared::<Demonstrations>();
     shared::<FourierMovementPrimitive>();
+    shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
         shared::<Robot>();

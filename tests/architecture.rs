@@ -10,7 +10,7 @@ use proc_macro2::{TokenStream, TokenTree};
 const RANKS: [&[&str]; 9] = [
     &["elementary", "error"],
     &["document", "normal", "units"],
-    &["fourier", "geometry"],
+    &["fourier", "geometry", "posterior"],
     &["demonstration", "robot"],
     &["collision", "primitive", "retarget"],
     &["shipped", "simulation"],
