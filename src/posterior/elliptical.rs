@@ -19,7 +19,8 @@ const MOST_SHRINKS: u64 = 1000;
 /// ln y = L(z) + ln u is drawn under the likelihood, an angle on the whole ellipse, and the bracket of angles is shrunk
 /// towards theta = 0 until the likelihood is above the threshold: no step is rejected and nothing is tuned. Each
 /// transition costs a logarithm of (prior width / posterior width) evaluations of L, and moves about as far as the
-/// posterior's narrowest direction lets it.
+/// posterior's narrowest direction lets it: for tight observations in many dimensions use
+/// [`Hamiltonian`](super::Hamiltonian).
 #[derive(Debug, Clone)]
 pub struct EllipticalSlice<F> {
     log_likelihood: F,
