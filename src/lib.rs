@@ -106,6 +106,8 @@ pub mod figure;
 mod fourier;
 #[cfg(feature = "robot")]
 mod geometry;
+mod normal;
+pub mod posterior;
 mod primitive;
 #[cfg(feature = "robot")]
 mod retarget;
@@ -135,6 +137,7 @@ pub use fourier::{
 };
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
+pub use posterior::Diagnostics;
 pub use primitive::{
     Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator, Example,
     FourierMovementPrimitive, Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker,
@@ -164,6 +167,7 @@ const _: () = {
     shared::<CycleRing>();
     shared::<Demonstrations>();
     shared::<FourierMovementPrimitive>();
+    shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
         shared::<Robot>();

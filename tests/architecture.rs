@@ -9,8 +9,8 @@ use proc_macro2::{TokenStream, TokenTree};
 /// Modules by rank; a module may use those of lower ranks, and itself.
 const RANKS: [&[&str]; 9] = [
     &["elementary", "error"],
-    &["document", "units"],
-    &["fourier", "geometry"],
+    &["document", "normal", "units"],
+    &["fourier", "geometry", "posterior"],
     &["demonstration", "robot"],
     &["collision", "primitive", "retarget"],
     &["shipped", "simulation"],

@@ -7,8 +7,8 @@ use rand::Rng;
 
 use super::Covariance;
 use super::covariance::dot;
-use super::normal;
 use crate::error::{Error, ErrorKind, Result};
+use crate::normal;
 
 /// A direction whose standard deviation is below this has no variance: coordinates are radians and logarithms.
 const NO_VARIANCE: f64 = 1e-9;
@@ -225,6 +225,13 @@ impl Gaussian {
     /// How many standard normal numbers a draw takes.
     pub(super) fn latent(&self) -> usize {
         self.covariance.latent() + self.noises()
+    }
+
+    /// The latent numbers that move the coordinates of the block from `start` on and nothing else, if no observation holds them.
+    pub(super) fn untouched_latent(&self, start: usize) -> Option<std::ops::Range<usize>> {
+        let own = self.covariance.latent_of_block(start)?;
+        let held = |o: &Arc<Observed>| o.latent[own.clone()].iter().any(|q| *q != 0.0);
+        (!self.observed.iter().any(held)).then_some(own)
     }
 
     /// x of latent numbers; what the observations determine is taken out of `z` first.

@@ -11,7 +11,6 @@ mod knobs;
 mod kronecker;
 mod learn;
 mod moments;
-mod normal;
 mod observation;
 mod scatter;
 mod start;
@@ -37,6 +36,7 @@ pub use start::Start;
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
+use crate::normal;
 use gaussian::Contradiction;
 
 /// A draw farther from the mean than this many standard deviations has a probability below 1e-300.
