@@ -139,10 +139,11 @@ pub use fourier::{
 pub use geometry::{Shape, Solid};
 pub use posterior::Diagnostics;
 pub use primitive::{
-    Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator, Example,
-    FourierMovementPrimitive, Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker,
+    Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,
+    Example, FourierMovementPrimitive, Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker,
     LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm, Offsets,
-    PhaseForm, Quantity, Start, StartSpread, TrajectoryMoments, Unit, stream,
+    PhaseForm, Posterior, Quantity, Start, StartSpread, Target, TrajectoryMoments, Unit, ViaPoint,
+    WeightGradient, stream,
 };
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};

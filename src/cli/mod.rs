@@ -13,6 +13,7 @@ mod reproduce;
 mod robot;
 mod sample;
 mod simulate;
+mod source;
 mod wishes;
 
 use std::path::Path;

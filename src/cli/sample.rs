@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rand::distr::Distribution;
 use serde_json::json;
 
 use super::check::STEP;
 use super::robot::{RobotArguments, tell_notes};
+use super::source::Source;
 use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
 use crate::collision::CollisionModel;
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
 use crate::fourier::{Derivative, Joints, PeriodGrid, Wave};
-use crate::primitive::{Bound, Bounds, Start, stream};
+use crate::primitive::{Bound, Bounds, Start, Target};
 use crate::retarget::JointMap;
 use crate::robot::Robot;
 
@@ -30,7 +30,9 @@ const MOST_ROWS: f64 = 1e6;
     after_help = "Sample number i of a seed is the same wave on every machine, however many are drawn.\n\n\
     Examples:\n  \
     undulate sample model.json --seed 7 --robot wave_arm -o wave.json\n  \
-    undulate sample model.json -n 20 --seed 7 --given modulus:elbow_flexion:10=5deg --csv 100 -o waves/"
+    undulate sample model.json -n 20 --seed 7 --given modulus:elbow_flexion:10=5deg --csv 100 -o waves/\n  \
+    undulate sample lively.json --tempo 1.2x --size 0.8x --start 0deg --within elbow_flexion=20deg..130deg -o wave.json\n  \
+    undulate sample model.json --towards elbow_flexion@1.2s=120deg+-2deg -o wave.json"
 )]
 pub(super) struct Arguments {
     /// The model file.
@@ -55,6 +57,10 @@ pub(super) struct Arguments {
     /// Where in its period a wave starts: `kept` as the demonstrations did, `redrawn` anywhere, or a phase of its largest weight, such as 0deg.
     #[arg(long, value_name = "START", default_value = "kept")]
     start: Start,
+    /// Something to aim at that is no condition: a position at a time, elbow@1.2s=90deg+-2deg, or the amplitude of a band of frequencies,
+    /// elbow:1.2Hz..1.8Hz=10deg+-1deg; may be given several times. Drawn by Markov chains, whose convergence is told.
+    #[arg(long, value_name = "TARGET")]
+    towards: Vec<Target>,
     /// Keep only waves of which a joint never leaves an interval, such as elbow_flexion=20deg..130deg; may be given several times.
     #[arg(long, value_name = "JOINT=LOW..HIGH")]
     within: Vec<Bound>,
@@ -99,6 +105,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         }
         None => None,
     };
+    let period = primitive.chart().period();
+    let source = Source::new(
+        primitive,
+        &arguments.towards,
+        arguments.seed,
+        arguments.start,
+    )?;
     let bar = output::progress(arguments.count, "drawing waves");
     let mut files = Vec::new();
     let (mut draws, mut within) = (0, 0);
@@ -118,9 +131,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             .checked_add(draws)
             .ok_or_else(|| Error::new(ErrorKind::Setting, "--first is too large"))?;
         draws += 1;
-        let mut rng = stream(arguments.seed, index);
-        let wave = primitive.sample(&mut rng);
-        let wave = arguments.start.apply(&wave, &mut rng);
+        let wave = source.wave(index)?;
         if !bounds.admit(&wave) {
             continue;
         }
@@ -144,7 +155,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let value = json!({"seed": arguments.seed, "period_s": primitive.chart().period(), "draws": draws, "within_bounds": within, "waves": files});
+    let value = json!({"seed": arguments.seed, "period_s": period, "chains": source.diagnostics_json(), "draws": draws, "within_bounds": within, "waves": files});
     output::report(json, &value, || {
         let mut text = match files.as_slice() {
             [one] => format!("wrote {}", one.display()),
@@ -156,6 +167,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         };
         if rows.is_some() {
             text.push_str(", and a table beside each");
+        }
+        if let Some(diagnostics) = source.diagnostics() {
+            text.push_str(&format!("; the chains: {diagnostics}"));
         }
         if !arguments.within.is_empty() {
             text.push_str(&format!(

@@ -14,6 +14,7 @@ mod moments;
 mod observation;
 mod scatter;
 mod start;
+mod target;
 
 use std::fmt;
 
@@ -33,6 +34,7 @@ pub use learn::{LearnOptions, OffsetEvidence, Offsets};
 pub use moments::{StartSpread, TrajectoryMoments};
 pub use observation::{Coordinate, Harmonic, JitterOf, Observation, Quantity, Unit};
 pub use start::Start;
+pub use target::{Band, Posterior, Target, ViaPoint, WeightGradient};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
