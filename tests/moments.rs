@@ -91,7 +91,7 @@ fn quadrature_over_the_latent_numbers_agrees() {
         ),
         (
             "relative phases",
-            of_factor(&["elbow", "wrist"], 1, relative, &["signed", "negative"], 4),
+            of_factor(&["elbow", "wrist"], 1, relative, &["negative", "signed"], 4),
         ),
     ];
     let instants = [
@@ -248,7 +248,7 @@ fn mean_position(primitive: &FourierMovementPrimitive, t: f64, share: f64) -> DV
             let a: Vec<_> = row(Coordinate::modulus(joint, k), Complex::ONE)
                 .chain(row(Coordinate::phase(joint, k), Complex::I))
                 .collect();
-            let turn = std::f64::consts::TAU * k as f64 * t / chart.period();
+            let turn = std::f64::consts::TAU * k as f64 * t / chart.period().unwrap();
             2.0 * (expected(&a) * Complex::cis(turn)).re
         };
         middle + (1..=chart.harmonics()).map(harmonic).sum::<f64>()

@@ -120,15 +120,14 @@ impl PeriodGrid {
             let (cos, sin) = (even_cos + odd_cos, even_sin + odd_sin);
             let (half_cos, half_sin) = (even_cos - odd_cos, even_sin - odd_sin);
             let offset = f64x8::splat(simd, series.offsets[d + j]);
+            // Spelt out: the closure of an array's `map` would not be compiled for the vectors at hand.
+            let after = offset + (cos + sin);
+            let before = offset + (cos - sin);
+            let half_after = offset + (half_cos + half_sin);
+            let half_before = offset + (half_cos - half_sin);
             self.write(
                 first,
-                [
-                    cos + sin,
-                    cos - sin,
-                    half_cos + half_sin,
-                    half_cos - half_sin,
-                ]
-                .map(|y| offset + y),
+                [after, before, half_after, half_before],
                 &mut values[(d + j) * self.points..][..self.points],
             );
         }
@@ -237,7 +236,8 @@ fn sums<S: Simd, const J: usize>(
         let Some(pairs) = coefficients.get(at..at + J) else {
             break;
         };
-        let [cos, sin] = terms.map(|lanes| f64x8::load_array(simd, lanes));
+        let cos = f64x8::load_array_ref(simd, &terms[0]);
+        let sin = f64x8::load_array_ref(simd, &terms[1]);
         for (sums, [a, b]) in sums.iter_mut().zip(pairs) {
             sums[0] += cos * *a;
             sums[1] += sin * *b;

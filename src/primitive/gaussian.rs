@@ -434,35 +434,35 @@ fn norm(latent: &[f64], noise: &[f64]) -> f64 {
     (dot(latent, latent) + dot(noise, noise)).sqrt()
 }
 
-/// An observation that waits: what those before it have left of its variance, kept up to date for the choice of the next.
+/// An observation that waits, for the choice of the next.
 struct Pivot {
     index: usize,
-    /// Standard deviation before any of them.
+    /// Standard deviation before any of those that wait, and what those before it have left of its square.
     prior: f64,
+    variance: f64,
     latent: Vec<f64>,
-    noise: Vec<f64>,
 }
 
 impl Pivot {
     fn new(gaussian: &Gaussian, index: usize, observation: &LinearObservation) -> Self {
         let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
         let (latent, noise) = gaussian.remaining(&observation.row, deviation);
+        let prior = norm(&latent, &noise);
         Self {
             index,
-            prior: norm(&latent, &noise),
+            prior,
+            variance: prior * prior,
             latent,
-            noise,
         }
     }
 
     fn share(&self) -> f64 {
-        norm(&self.latent, &self.noise) / self.prior.max(NO_VARIANCE)
+        self.variance.max(0.0).sqrt() / self.prior.max(NO_VARIANCE)
     }
 
     fn update(&mut self, observed: &Observed) {
-        // Noise of others is none of this one's: their latent numbers are zero here.
-        let share = dot(&observed.latent, &self.latent);
-        subtract(&mut self.latent, share, &observed.latent);
+        // The noise of another observation is none of this one's.
+        self.variance -= dot(&observed.latent, &self.latent).powi(2);
     }
 }
 

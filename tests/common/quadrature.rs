@@ -52,7 +52,7 @@ fn delays(start: StartSpread, primitive: &FourierMovementPrimitive) -> Vec<(f64,
         StartSpread::Uniform => {
             let (points, period) = (
                 2 * primitive.chart().harmonics() + 1,
-                primitive.chart().period(),
+                primitive.chart().period().unwrap(),
             );
             let share = 1.0 / points as f64;
             (0..points)
