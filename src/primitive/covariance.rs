@@ -1,5 +1,6 @@
 //! [`Covariance`]: a covariance matrix that is never formed, only its action.
 
+use fearless_simd::{Level, dispatch};
 use nalgebra::{DMatrix, DVector};
 
 use super::Kronecker;
@@ -138,18 +139,28 @@ impl Covariance {
         None
     }
 
-    /// x += B z. The order of summation is fixed: the same bits everywhere.
+    /// x += B z. The order of summation is fixed: the same bits everywhere, in vectors of any width.
     pub(super) fn apply(&self, z: &[f64], x: &mut [f64]) {
+        let longest = self.blocks.iter().map(Kronecker::len).max().unwrap_or(0);
+        let mut scratch = vec![0.0; longest];
+        dispatch!(Level::new(), _ => self.apply_in_vectors(z, x, &mut scratch));
+    }
+
+    #[inline(always)]
+    fn apply_in_vectors(&self, z: &[f64], x: &mut [f64], scratch: &mut [f64]) {
         let (of_factor, mut rest) = z.split_at(self.factor.ncols());
+        let n = self.dimension();
+        let columns = self.factor.as_slice();
         // Slices, so that it becomes vectors.
-        for (column, z) in self.factor.column_iter().zip(of_factor) {
-            for (x, f) in x.iter_mut().zip(column.as_slice()) {
+        for (j, z) in of_factor.iter().enumerate() {
+            for (x, f) in x.iter_mut().zip(&columns[j * n..][..n]) {
                 *x += f * z;
             }
         }
         for block in &self.blocks {
             let (of_block, after) = rest.split_at(block.len());
-            block.apply(of_block, &mut x[block.start()..][..block.len()]);
+            let own = &mut x[block.start()..][..block.len()];
+            block.apply(of_block, own, &mut scratch[..block.len()]);
             rest = after;
         }
         for (i, z) in self.alone.iter().zip(rest) {

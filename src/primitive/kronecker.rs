@@ -130,68 +130,54 @@ impl Kronecker {
             * self.decay.powi(lag)
     }
 
-    /// x += S (L_A (x) L_R) z; z is harmonic by harmonic, m in each.
-    pub(super) fn apply(&self, z: &[f64], x: &mut [f64]) {
-        let m = self.groups;
-        let innovation = self.innovation();
-        let mut state = [0.0; FEW];
-        let mut spare = Vec::new();
-        let state = lanes(&mut state, &mut spare, m);
-        for (k, z) in z.chunks_exact(m).enumerate() {
-            let (keep, add) = if k == 0 {
-                (0.0, 1.0)
-            } else {
-                (self.decay, innovation)
-            };
-            for (y, z) in state.iter_mut().zip(z) {
-                *y = keep * *y + add * z;
-            }
-            for (d, row) in self.root.chunks_exact(m).enumerate() {
-                let mut sum = 0.0;
-                for (l, y) in row[..=d].iter().zip(state.iter()) {
-                    sum += l * y;
+    /// x += S (L_A (x) L_R) z, joint by joint as x; `scratch` holds m K numbers.
+    #[inline(always)]
+    pub(super) fn apply(&self, z: &[f64], x: &mut [f64], scratch: &mut [f64]) {
+        let (m, length) = (self.groups, self.length);
+        scratch.fill(0.0);
+        for d in 0..m {
+            let mixed = &mut scratch[d * length..][..length];
+            for e in 0..=d {
+                let l = self.root[d * m + e];
+                for (mixed, z) in mixed.iter_mut().zip(&z[e * length..][..length]) {
+                    *mixed += l * z;
                 }
-                let i = d * self.length + k;
-                x[i] += self.deviations[i] * sum;
             }
+        }
+        // All joints side by side: each recursion waits for itself alone.
+        let innovation = self.innovation();
+        for k in 1..length {
+            for d in 0..m {
+                let i = d * length + k;
+                scratch[i] = self.decay * scratch[i - 1] + innovation * scratch[i];
+            }
+        }
+        for ((x, s), y) in x.iter_mut().zip(&self.deviations).zip(&*scratch) {
+            *x += s * y;
         }
     }
 
     /// Appends (S (L_A (x) L_R))^T g to `z`.
     pub(super) fn apply_transposed(&self, g: &[f64], z: &mut Vec<f64>) {
-        let m = self.groups;
-        let from = z.len();
-        z.resize(from + self.len(), 0.0);
-        let z = &mut z[from..];
+        let (m, length) = (self.groups, self.length);
+        let mut scaled: Vec<f64> = g.iter().zip(&self.deviations).map(|(g, s)| g * s).collect();
         let innovation = self.innovation();
-        let mut state = [0.0; FEW];
-        let mut spare = Vec::new();
-        let state = lanes(&mut state, &mut spare, m);
-        for k in (0..self.length).rev() {
-            state.iter_mut().for_each(|y| *y *= self.decay);
-            for (d, row) in self.root.chunks_exact(m).enumerate() {
-                let i = d * self.length + k;
-                let scaled = self.deviations[i] * g[i];
-                for (y, l) in state.iter_mut().zip(&row[..=d]) {
-                    *y += l * scaled;
-                }
-            }
-            let add = if k == 0 { 1.0 } else { innovation };
-            for (z, y) in z[k * m..][..m].iter_mut().zip(state.iter()) {
-                *z = add * y;
+        for row in scaled.chunks_exact_mut(length) {
+            for k in (1..length).rev() {
+                row[k - 1] += self.decay * row[k];
+                row[k] *= innovation;
             }
         }
-    }
-}
-
-/// Groups for which no memory is asked for.
-const FEW: usize = 8;
-
-fn lanes<'a>(few: &'a mut [f64; FEW], many: &'a mut Vec<f64>, m: usize) -> &'a mut [f64] {
-    if m <= FEW {
-        &mut few[..m]
-    } else {
-        many.resize(m, 0.0);
-        many
+        let from = z.len();
+        z.resize(from + self.len(), 0.0);
+        for e in 0..m {
+            let own = &mut z[from + e * length..][..length];
+            for d in e..m {
+                let l = self.root[d * m + e];
+                for (z, g) in own.iter_mut().zip(&scaled[d * length..][..length]) {
+                    *z += l * g;
+                }
+            }
+        }
     }
 }
