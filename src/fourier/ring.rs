@@ -176,7 +176,7 @@ impl CycleRing {
         }
         match deviations
             .iter()
-            .position(|x| !(x.abs() <= LARGEST_DEVIATION))
+            .position(|x| !(-LARGEST_DEVIATION..=LARGEST_DEVIATION).contains(x))
         {
             None => Ok(()),
             Some(c) => Err(Error::new(
