@@ -124,8 +124,8 @@ pub use {nalgebra, num_complex, rand};
 #[cfg(feature = "robot")]
 pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};
 pub use demonstration::{
-    CsvOptions, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations, Duration, Leakage,
-    LeftOut, Recording, synthetic,
+    CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
+    Duration, Leakage, LeftOut, Recording, Variation, synthetic,
 };
 pub use error::{Error, ErrorKind, Result};
 #[cfg(feature = "robot")]

@@ -1,18 +1,27 @@
 //! Demonstrations: recordings of one kind of gesture, checked and cut to a common period.
 
+mod cycle;
+mod demodulation;
+mod jitter;
 mod leakage;
+mod level;
+mod mean_cycle;
 mod read;
 mod recording;
 mod rhythm;
+mod steady;
 mod synthetic;
+mod variation;
 mod window;
 
 use realfft::RealFftPlanner;
 
+pub use cycle::{CycleFit, CycleFits};
 pub use leakage::Leakage;
 pub use read::CsvOptions;
 pub use recording::Recording;
 pub use synthetic::{JOINTS as DEMONSTRATOR_JOINTS, PERIOD as DEMONSTRATOR_PERIOD, synthetic};
+pub use variation::Variation;
 pub use window::{Duration, LeftOut};
 
 use crate::error::{Error, ErrorKind, Result};
@@ -39,23 +48,7 @@ impl Demonstrations {
     /// # Errors
     /// When there are no recordings, their joints differ, a joint never moves, or no two are long enough.
     pub fn new(recordings: Vec<Recording>, duration: Duration) -> Result<Self> {
-        let Some(first) = recordings.first() else {
-            return Err(Error::new(ErrorKind::Shape, "no recordings")
-                .expected("at least two")
-                .help("name CSV files, a folder of them, or a list file"));
-        };
-        let joints = first.joints.clone();
-        for recording in &recordings {
-            if recording.joints != joints {
-                return Err(Error::new(
-                    ErrorKind::Name,
-                    format!("joints {}", recording.joints.listed()),
-                )
-                .expected(format!("{} as in {}", joints.listed(), first.name))
-                .help("pick the columns that all have with --joints a,b,..")
-                .at(recording.name.clone()));
-            }
-        }
+        let joints = common_joints(&recordings)?;
         let (period, recordings, left_out) = window::cut(recordings, duration)?;
         for recording in &recordings {
             for (d, joint) in joints.iter().enumerate() {
@@ -130,6 +123,27 @@ impl Demonstrations {
             .map(Recording::tempo)
             .fold(0.0, f64::max)
     }
+}
+
+/// The joints that all recordings have.
+fn common_joints(recordings: &[Recording]) -> Result<Joints> {
+    let Some(first) = recordings.first() else {
+        return Err(Error::new(ErrorKind::Shape, "no recordings")
+            .expected("at least two")
+            .help("name CSV files, a folder of them, or a list file"));
+    };
+    for recording in recordings {
+        if recording.joints != first.joints {
+            return Err(Error::new(
+                ErrorKind::Name,
+                format!("joints {}", recording.joints.listed()),
+            )
+            .expected(format!("{} as in {}", first.joints.listed(), first.name))
+            .help("pick the columns that all have with --joints a,b,..")
+            .at(recording.name.clone()));
+        }
+    }
+    Ok(first.joints.clone())
 }
 
 #[cfg(test)]
