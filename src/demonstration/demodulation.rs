@@ -7,11 +7,13 @@ use super::Recording;
 
 /// Width of the window \[cycles\]. Hann's window of two cycles has its zeros at one cycle and all whole multiples: neither
 /// posture nor the second harmonic leaks into the first, and modulations of up to half a cycle come through.
-const WIDTH: f64 = 1.5;
+const WIDTH: f64 = 2.0;
 /// How near to an end of the recording a window may be centred \[cycles\]. Least squares needs no full window.
 const MARGIN: f64 = 0.5;
 /// Centres a cycle, an even number.
 pub(super) const CENTRES: usize = 8;
+/// Over a longer gap between samples \[cycles\] a window does not tell harmonics apart, though it may be solved.
+const LONGEST_GAP: f64 = 0.35;
 /// The smallest eigenvalue of a window's Gram matrix of 1, cos, sin; for dense samples it is 1/2. Below: a gap.
 const LEAST_EIGENVALUE: f64 = 0.1;
 
@@ -31,7 +33,7 @@ pub(super) struct Window {
     pub phasors: Vec<Complex<f64>>,
 }
 
-/// Windows along a recording, at a `frequency` \[Hz\] close to the rhythm's. `centres` of them would be in a gapless one.
+/// Windows along a recording, at a `frequency` \[Hz\] close to the rhythm's; none where samples are missing.
 pub(super) fn demodulate(recording: &Recording, frequency: f64) -> Vec<Window> {
     let start = recording.times[0];
     // Time in cycles.
@@ -59,14 +61,29 @@ pub(super) fn demodulate(recording: &Recording, frequency: f64) -> Vec<Window> {
 fn window(cycles: &[f64], positions: &DMatrix<f64>, step: usize, centre: f64) -> Option<Window> {
     let first = cycles.partition_point(|u| *u <= centre - WIDTH / 2.0);
     let last = cycles.partition_point(|u| *u < centre + WIDTH / 2.0);
+    let inside = &cycles[first..last];
+    // The neighbours on both sides too: a gap may reach into the window from outside.
+    let around = &cycles[first.saturating_sub(1)..(last + 1).min(cycles.len())];
+    if around
+        .windows(2)
+        .any(|pair| pair[1] - pair[0] > LONGEST_GAP)
+    {
+        return None;
+    }
     let hann = |u: f64| {
         let cos = (std::f64::consts::PI * (u - centre) / WIDTH).cos();
         cos * cos
     };
-    let mut weights: Vec<f64> = cycles[first..last].iter().map(|u| hann(*u)).collect();
+    // Each sample stands for the time around it, so that uneven stamps leave the harmonics orthogonal.
+    let mut weights: Vec<f64> = (0..inside.len())
+        .map(|i| {
+            let (before, after) = (i.saturating_sub(1), (i + 1).min(inside.len() - 1));
+            hann(inside[i]) * (inside[after] - inside[before])
+        })
+        .collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|w| *w /= total);
-    let columns: Vec<Vector3<f64>> = cycles[first..last]
+    let columns: Vec<Vector3<f64>> = inside
         .iter()
         .map(|u| {
             let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();

@@ -6,62 +6,60 @@
 //! exp(2 pi i nu u),
 //!
 //! ```text
-//! E mean_i (x_i - mean x)^2                       = s^2 int S(nu) G_0(nu) d nu
-//! E mean_i (x_i - mean x)(x_{i+1 cycle} - mean x) = s^2 int S(nu) G_1(nu) d nu
-//! G_k(nu) = mean over i of Re (R_i - mean R) conj(R_{i + k cycles} - mean R)
+//! E mean_i (x_i - mean x)^2 = s^2 int S(nu) G(nu) d nu,   G(nu) = mean_i |R_i(nu) - mean R(nu)|^2
 //! ```
 //!
 //! exactly, whatever the number of cycles, the stamps and the gaps. So the level is what makes the left side, measured,
-//! equal the right, and a wave with that level measures on average as the demonstration does.
-//!
-//! The model learns a Gaussian over ln s. A mean square of few independent values is skewed, so its logarithm is too
-//! small on average and scatters; both follow from the number n of independent values that would scatter alike
-//! (Satterthwaite 1946): n = (tr K)^2 / tr K^2, K the covariance of the values. The bias, (psi(n/2) - ln(n/2)) / 2, is
-//! taken away. The scatter, psi'(n/2) / 4, is no variation between demonstrations: see [`levels`].
+//! equal the right, and a wave with that level measures on average as the demonstration does. In the same way the
+//! coefficient is what makes the expected correlation of values one cycle apart equal the measured one.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 use num_complex::Complex;
 
 use super::demodulation::{self, CENTRES, Window};
+use super::level::{LEAST_LEVEL, LogLevel};
 use crate::error::Result;
 use crate::fourier::Autoregression;
 
 /// Quadrature points for frequencies from 0 to 1/2 a cycle: many enough for series of a hundred cycles.
 const FREQUENCIES: usize = 256;
 
-/// Coefficients beyond these are not told apart from drift, or from noise, by recordings of ten cycles.
-const COEFFICIENTS: [f64; 2] = [-0.9, 0.9];
+/// Coefficients beyond these are not told apart by recordings of ten cycles: what is slower than a memory of three cycles
+/// shows as a recording's mean, which is learned as its amplitude and tempo, and the level would be a guess.
+const COEFFICIENTS: [f64; 2] = [-0.7, 0.7];
 
 /// Before anything is seen, as much is known about a coefficient as so many cycles of independent variation would tell:
 /// demonstrations of three cycles leave it there.
 const PRIOR_CYCLES: f64 = 10.0;
 
-/// A smaller level than this, 0.1 %, is no person's, and a recording would not show it.
-const LEAST_LEVEL: f64 = 1e-3;
-
 /// Every so many windows, half a cycle, tell as much about the scatter as all; and not more of them than this.
 const THINNING: usize = CENTRES / 2;
-const MOST_THINNED: usize = 200;
+const MOST_THINNED: usize = 120;
 
 /// A series along a recording: its second moments, and their gains.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
-    /// Mean square about the mean, and mean product of values a cycle apart.
-    moments: [f64; 2],
-    /// G_0 and G_1 at the quadrature points.
-    gains: [Vec<f64>; 2],
-    /// Of some of the values, R_i - mean R at each quadrature point; and how many they stand for.
-    thinned: Vec<Vec<Complex<f64>>>,
-    share: f64,
+    /// Mean square about the mean.
+    moment: f64,
+    /// G at the quadrature points.
+    gain: Vec<f64>,
+    /// Values half a cycle apart, which scatter as all do.
+    thinned: Thinned,
     /// How much of a say it has in what is common to all: the pairs of values a cycle apart, in cycles.
     cycles: f64,
 }
 
-/// One recording's ln level.
-struct LogLevel {
-    value: f64,
-    /// Variance of its error.
-    scatter: f64,
+/// Some values of a series, about their mean.
+#[derive(Debug, Clone)]
+struct Thinned {
+    /// R_i - mean R, at each quadrature point.
+    responses: Vec<Vec<Complex<f64>>>,
+    /// Places of values a cycle apart.
+    pairs: Vec<(usize, usize)>,
+    /// mean (x_i x_{i + 1 cycle}) / mean x_i^2.
+    correlation: f64,
+    /// How many of all there would be.
+    share: f64,
 }
 
 fn frequency(q: usize) -> f64 {
@@ -115,142 +113,118 @@ impl Series {
     fn new(steps: &[usize], values: &[f64], responses: impl Fn(f64) -> Vec<Complex<f64>>) -> Self {
         let count = values.len() as f64;
         let pairs = demodulation::pairs(steps.iter().copied(), CENTRES);
-        let apart = pairs.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let moments = [
-            values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count,
-            pairs
-                .iter()
-                .map(|(i, j)| (values[*i] - mean) * (values[*j] - mean))
-                .sum::<f64>()
-                / apart,
-        ];
-        let mut gains = [Vec::new(), Vec::new()];
+        let moment = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+        let mut gain = Vec::new();
+        let all: Vec<usize> = (0..values.len()).step_by(THINNING).collect();
+        let some = &all[..all.len().min(MOST_THINNED)];
         let mut thinned = Vec::new();
         for q in 0..FREQUENCIES {
             let mut seen = responses(frequency(q));
             let mean = seen.iter().sum::<Complex<f64>>() / count;
             seen.iter_mut().for_each(|r| *r -= mean);
-            gains[0].push(seen.iter().map(|r| r.norm_sqr()).sum::<f64>() / count);
-            gains[1].push(
-                pairs
-                    .iter()
-                    .map(|(i, j)| (seen[*i] * seen[*j].conj()).re)
-                    .sum::<f64>()
-                    / apart,
-            );
-            thinned.push(
-                seen.into_iter()
-                    .step_by(THINNING)
-                    .take(MOST_THINNED)
-                    .collect(),
-            );
+            gain.push(seen.iter().map(|r| r.norm_sqr()).sum::<f64>() / count);
+            let mut seen: Vec<Complex<f64>> = some.iter().map(|i| seen[*i]).collect();
+            let mean = seen.iter().sum::<Complex<f64>>() / seen.len() as f64;
+            seen.iter_mut().for_each(|r| *r -= mean);
+            thinned.push(seen);
         }
-        let all = values.len().div_ceil(THINNING);
+        let x: Vec<f64> = some.iter().map(|i| values[*i]).collect();
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        let near = demodulation::pairs(some.iter().map(|i| steps[*i]), CENTRES);
+        let product: f64 = near
+            .iter()
+            .map(|(i, j)| (x[*i] - mean) * (x[*j] - mean))
+            .sum();
+        let square: f64 = x.iter().map(|x| (x - mean).powi(2)).sum();
         Self {
-            moments,
-            gains,
-            thinned,
-            share: all.min(MOST_THINNED) as f64 / all as f64,
+            moment,
+            gain,
+            thinned: Thinned {
+                responses: thinned,
+                correlation: product / near.len().max(1) as f64 * x.len() as f64 / square,
+                pairs: near,
+                share: x.len() as f64 / all.len() as f64,
+            },
             cycles: pairs.len() as f64 / CENTRES as f64,
         }
     }
 
-    /// int S(nu) G_k(nu) d nu.
-    fn expected(&self, k: usize, density: &[f64]) -> f64 {
-        let sum: f64 = self.gains[k].iter().zip(density).map(|(g, s)| g * s).sum();
+    /// int S(nu) G(nu) d nu.
+    fn expected(&self, density: &[f64]) -> f64 {
+        let sum: f64 = self.gain.iter().zip(density).map(|(g, s)| g * s).sum();
         sum / FREQUENCIES as f64
     }
 
     /// ln s, the standard deviation of the modulation of which this was seen.
-    fn log_level(&self, density: &[f64]) -> LogLevel {
-        let expected = self.expected(0, density);
-        let level = (self.moments[0] / expected).sqrt().max(LEAST_LEVEL);
-        // tr K and tr K^2 over the thinned values.
-        let count = self.thinned[0].len();
-        let mut covariance = DMatrix::<f64>::zeros(count, count);
-        for (seen, s) in self.thinned.iter().zip(density) {
+    pub(super) fn log_level(&self, process: &Autoregression) -> LogLevel {
+        let density = densities(process);
+        let level = (self.moment / self.expected(&density))
+            .sqrt()
+            .max(LEAST_LEVEL);
+        let covariance = self.thinned.covariance(&density);
+        let scatter = covariance.norm_squared() * self.thinned.share;
+        let independent = (covariance.trace().powi(2) / scatter).max(1.0);
+        LogLevel::of_mean_square(level, independent)
+    }
+}
+
+impl Thinned {
+    /// Of values of level 1, K.
+    fn covariance(&self, density: &[f64]) -> DMatrix<f64> {
+        let count = self.responses[0].len();
+        let mut covariance = DMatrix::zeros(count, count);
+        for (seen, s) in self.responses.iter().zip(density) {
             for i in 0..count {
                 for j in 0..=i {
-                    covariance[(i, j)] += s * (seen[i] * seen[j].conj()).re;
+                    covariance[(i, j)] += s / FREQUENCIES as f64 * (seen[i] * seen[j].conj()).re;
                 }
             }
         }
+        covariance.fill_upper_triangle_with_lower_triangle();
+        covariance
+    }
+
+    /// E of the correlation, a ratio of quadratic forms of normal values and so not the ratio of their means. With
+    /// K = U diag(l) U^T (Magnus 1986, his theorem 6 with one form and its denominator)
+    ///
+    /// ```text
+    /// E (x^T A x / x^T x) = sum_i (U^T A U)_ii l_i int_0^inf (1 + 2 t l_i)^-1 prod_j (1 + 2 t l_j)^-1/2 dt
+    /// ```
+    fn expected_correlation(&self, density: &[f64]) -> f64 {
+        const POINTS: usize = 200;
+        let covariance = self.covariance(density);
+        let count = covariance.nrows() as f64;
         let trace = covariance.trace();
-        let squares: f64 = (0..count)
-            .map(|i| {
-                let off: f64 = (0..i).map(|j| covariance[(i, j)].powi(2)).sum();
-                2.0 * off + covariance[(i, i)].powi(2)
+        let eigen = SymmetricEigen::new(covariance / trace);
+        let values: Vec<f64> = eigen.eigenvalues.iter().map(|l| l.max(0.0)).collect();
+        let mut integrals = vec![0.0; values.len()];
+        for n in 0..POINTS {
+            // t = u / (1 - u)
+            let u = (n as f64 + 0.5) / POINTS as f64;
+            let t = u / (1.0 - u);
+            let product: f64 = values.iter().map(|l| 1.0 + 2.0 * t * l).product();
+            let common = 1.0 / (product.sqrt() * (1.0 - u).powi(2));
+            for (integral, l) in integrals.iter_mut().zip(&values) {
+                *integral += l * common / (1.0 + 2.0 * t * l);
+            }
+        }
+        // For A = I the sum is 1, and the quadrature's own error goes with it.
+        let one: f64 = integrals.iter().sum();
+        let sum: f64 = self
+            .pairs
+            .iter()
+            .map(|(i, j)| {
+                let (a, b) = (eigen.eigenvectors.row(*i), eigen.eigenvectors.row(*j));
+                a.iter()
+                    .zip(b.iter())
+                    .zip(&integrals)
+                    .map(|((a, b), x)| a * b * x)
+                    .sum::<f64>()
             })
             .sum();
-        let independent = (trace * trace / squares / self.share).max(1.0);
-        let half = independent / 2.0;
-        LogLevel {
-            value: level.ln() - (digamma(half) - half.ln()) / 2.0,
-            scatter: trigamma(half) / 4.0,
-        }
+        sum / one * count / self.pairs.len() as f64
     }
-}
-
-/// The levels of all, of which each is what its own recording and the others tell.
-///
-/// What is seen of ln s scatters by more than the ln s themselves, by the error of each estimate. Between them lies the
-/// variance tau^2 (DerSimonian and Laird 1986); each ln s is drawn to the common mean by sqrt(tau^2 / (tau^2 + error^2)), so
-/// that their spread is tau (Louis 1984). Drawn to the mean less, a model of them would take errors for variety; more, as
-/// the best guess for each alone would be, and it would lack variety.
-pub(super) fn levels(series: &[&Series], process: &Autoregression) -> Vec<f64> {
-    let density = densities(process);
-    let logs: Vec<LogLevel> = series.iter().map(|s| s.log_level(&density)).collect();
-    let mean = |between: f64| {
-        let weights = logs.iter().map(|l| 1.0 / (between + l.scatter));
-        let sum: f64 = logs.iter().map(|l| l.value / (between + l.scatter)).sum();
-        sum / weights.sum::<f64>()
-    };
-    let centre = mean(0.0);
-    let weights: Vec<f64> = logs.iter().map(|l| 1.0 / l.scatter).collect();
-    let (sum, squares) = weights
-        .iter()
-        .fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
-    let excess: f64 = logs
-        .iter()
-        .map(|l| (l.value - centre).powi(2) / l.scatter)
-        .sum::<f64>()
-        - (logs.len() - 1) as f64;
-    let room = sum - squares / sum;
-    let between = if room > 0.0 {
-        (excess / room).max(0.0)
-    } else {
-        0.0
-    };
-    let centre = mean(between);
-    logs.iter()
-        .map(|l| {
-            let keep = (between / (between + l.scatter)).sqrt();
-            (centre + keep * (l.value - centre)).exp().max(LEAST_LEVEL)
-        })
-        .collect()
-}
-
-/// psi(x), x > 0: the recursion up to 10, then the asymptotic series.
-fn digamma(mut x: f64) -> f64 {
-    let mut sum = 0.0;
-    while x < 10.0 {
-        sum -= 1.0 / x;
-        x += 1.0;
-    }
-    let r = 1.0 / (x * x);
-    sum + x.ln() - 0.5 / x - r * (1.0 / 12.0 - r * (1.0 / 120.0 - r / 252.0))
-}
-
-/// psi'(x), x > 0.
-fn trigamma(mut x: f64) -> f64 {
-    let mut sum = 0.0;
-    while x < 10.0 {
-        sum += 1.0 / (x * x);
-        x += 1.0;
-    }
-    let r = 1.0 / (x * x);
-    sum + 1.0 / x + r / 2.0 + r / x * (1.0 / 6.0 - r * (1.0 / 30.0 - r / 42.0))
 }
 
 fn densities(process: &Autoregression) -> Vec<f64> {
@@ -263,24 +237,22 @@ fn densities(process: &Autoregression) -> Vec<f64> {
 /// weighted by their cycles, is the measured one, with [`PRIOR_CYCLES`] more that say 0. The expected correlation grows with
 /// the coefficient, so halving finds it.
 pub(super) fn common(series: &[&Series]) -> Result<Autoregression> {
-    let mut measured = 0.0;
-    let mut used = Vec::new();
-    for series in series {
-        if series.moments[0] > LEAST_LEVEL * LEAST_LEVEL && series.cycles > 0.0 {
-            measured += series.cycles * series.moments[1] / series.moments[0];
-            used.push(series);
-        }
-    }
+    let used: Vec<&Series> = series
+        .iter()
+        .copied()
+        .filter(|s| s.moment > LEAST_LEVEL * LEAST_LEVEL && !s.thinned.pairs.is_empty())
+        .collect();
+    let measured: f64 = used.iter().map(|s| s.cycles * s.thinned.correlation).sum();
     let expected = |coefficient: f64| -> Result<f64> {
         let density = densities(&Autoregression::new(coefficient)?);
         let seen: f64 = used
             .iter()
-            .map(|s| s.cycles * s.expected(1, &density) / s.expected(0, &density))
+            .map(|s| s.cycles * s.thinned.expected_correlation(&density))
             .sum();
         Ok(seen + PRIOR_CYCLES * coefficient)
     };
     let [mut low, mut high] = COEFFICIENTS;
-    for _ in 0..40 {
+    for _ in 0..16 {
         let middle = (low + high) / 2.0;
         if expected(middle)? < measured {
             low = middle;
@@ -289,4 +261,35 @@ pub(super) fn common(series: &[&Series]) -> Result<Autoregression> {
         }
     }
     Autoregression::new((low + high) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window(step: usize) -> Window {
+        // As narrow as can be: it sees the modulation itself, at its centre.
+        Window {
+            step,
+            centre: step as f64 / CENTRES as f64,
+            cycle: step..step + 1,
+            first: step,
+            weights: vec![1.0],
+            phasors: Vec::new(),
+        }
+    }
+
+    /// With values one cycle apart and no window, n values of a white series have n - 1 degrees of freedom:
+    /// E mean (x - mean x)^2 = s^2 (n - 1) / n.
+    #[test]
+    fn gains_are_those_of_a_sample_variance_where_nothing_is_smoothed() {
+        let windows: Vec<Window> = (0..6).map(|i| window(i * CENTRES)).collect();
+        let cycles: Vec<f64> = (0..6 * CENTRES)
+            .map(|n| n as f64 / CENTRES as f64)
+            .collect();
+        let values = [0.1, -0.2, 0.3, 0.0, -0.1, 0.2];
+        let series = Series::amplitude(&windows, &cycles, &values);
+        let white = densities(&Autoregression::new(0.0).unwrap());
+        assert!((series.expected(&white) - 5.0 / 6.0).abs() < 1e-12);
+    }
 }

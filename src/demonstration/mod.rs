@@ -4,6 +4,8 @@ mod cycle;
 mod demodulation;
 mod jitter;
 mod leakage;
+mod level;
+mod mean_cycle;
 mod read;
 mod recording;
 mod rhythm;

@@ -54,7 +54,7 @@ impl Recording {
 
 impl Recording {
     /// The samples within so many seconds of the first, two at the least.
-    fn first(&self, seconds: f64) -> Self {
+    pub(super) fn first(&self, seconds: f64) -> Self {
         let end = self.times[0] + seconds;
         let count = self.times.partition_point(|t| *t <= end).max(2);
         Self {

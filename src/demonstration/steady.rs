@@ -48,6 +48,12 @@ pub(super) fn fit(
 ) -> Result<Steady> {
     let unknowns = 2 + 2 * harmonics;
     let design = design(times, phases, gains, harmonics);
+    if design.iter().any(|x| !x.is_finite()) {
+        return Err(Error::new(
+            ErrorKind::Value,
+            "positions or times too large to be fitted",
+        ));
+    }
     let qr = QR::new(design.clone());
     let singular_values = qr.r().singular_values();
     let condition = singular_values.max() / singular_values.min();

@@ -152,3 +152,84 @@ fn lock(windows: &[Window], joint: usize, dominant: usize) -> f64 {
         .sum();
     sum.norm() / windows.len() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fourier::Joints;
+    use nalgebra::{DMatrix, dmatrix, dvector};
+    use num_complex::Complex;
+    use std::f64::consts::TAU;
+
+    /// Twenty cycles of 2 Hz; amplitude goes up and down by 20 % every ten cycles, tempo by 10 %.
+    #[test]
+    fn slow_modulation_measures_as_it_is_in_closed_form() {
+        let times: Vec<f64> = (0..=1000).map(|n| f64::from(n) / 100.0).collect();
+        let at = |t: f64, d: usize| {
+            let slow = TAU * 0.1 * 2.0 * t;
+            // Integral of 1 + 0.1 cos(slow).
+            let phase = TAU * (2.0 * t + 0.1 / (TAU * 0.1) * slow.sin());
+            match d {
+                0 => 1.1 + 0.3 * (1.0 + 0.2 * slow.cos()) * phase.cos() + 0.05 * t,
+                1 => 0.1 * (phase + 1.0).cos() + 0.02 * (2.0 * phase).cos(),
+                _ => 0.05 * (TAU * 1.7 * t).cos(),
+            }
+        };
+        let positions = DMatrix::from_fn(times.len(), 3, |n, d| at(times[n], d));
+        let joints = Joints::new(["a", "b", "c"]).unwrap();
+        let recording = Recording::new("r", joints, times, positions).unwrap();
+        let found = Variation::of(&recording).unwrap();
+        assert_eq!(found.dominant, 0);
+        assert!((found.frequency - 2.0).abs() < 0.02, "{found:?}");
+        // Hann's window of two cycles lets through sinc(0.2) / (1 - 0.04) at 0.1 a cycle; a mean over one cycle sinc(0.1).
+        let sinc = |x: f64| (TAU * x / 2.0).sin() / (TAU * x / 2.0);
+        let window = sinc(0.2) / (1.0 - 0.04);
+        let envelope = 0.2 * window / 2f64.sqrt();
+        let tempo = 0.1 * window * sinc(0.1) / 2f64.sqrt();
+        assert!(
+            (found.envelope / envelope - 1.0).abs() < 0.06,
+            "{found:?} {envelope}"
+        );
+        assert!(
+            (found.tempo / tempo - 1.0).abs() < 0.06,
+            "{found:?} {tempo}"
+        );
+        assert!((found.envelope_low - 0.8).abs() < 0.03, "{found:?}");
+        assert!((found.swing[0] / 0.3 - 1.0).abs() < 0.02, "{found:?}");
+        assert!(found.lock[1] > 0.99 && found.lock[2] < 0.3, "{found:?}");
+    }
+
+    #[test]
+    fn a_steady_wave_does_not_vary_and_one_cycle_is_none() {
+        let wave = |cycles: usize| {
+            let mut weights = DMatrix::zeros(1, 2 * cycles);
+            weights[(0, cycles - 1)] = Complex::new(0.05, 0.1);
+            weights[(0, 2 * cycles - 1)] = Complex::new(0.01, 0.0);
+            Wave::new(
+                Joints::new(["a"]).unwrap(),
+                0.5 * cycles as f64,
+                dvector![0.2],
+                weights,
+            )
+            .unwrap()
+        };
+        let found = Variation::of_wave(&wave(10)).unwrap();
+        assert!(found.envelope < 0.003 && found.tempo < 0.003, "{found:?}");
+        assert!((found.frequency - 2.0).abs() < 1e-3);
+        let peak = (0..1000)
+            .map(|n| wave(10).position(f64::from(n) * 5e-4)[0])
+            .fold((f64::MAX, f64::MIN), |(l, h), y| (l.min(y), h.max(y)));
+        assert!(
+            (found.swing[0] / ((peak.1 - peak.0) / 2.0) - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+        assert!(Variation::of_wave(&wave(1)).is_err());
+        let still = Wave::new(
+            Joints::new(["a"]).unwrap(),
+            1.0,
+            dvector![0.2],
+            dmatrix![Complex::new(0.0, 0.0)],
+        );
+        assert!(Variation::of_wave(&still.unwrap()).is_err());
+    }
+}

@@ -1,0 +1,174 @@
+//! The mean cycle of one recording: its frequency, its weights, and what varies about it.
+
+use std::f64::consts::TAU;
+
+use super::cycle::CycleFit;
+use super::demodulation::{self, CENTRES, Window};
+use super::jitter::Series;
+use super::recording::Recording;
+use super::steady;
+use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::Wave;
+
+/// Three, but for the sample that an open grid lacks and the error of the frequency. Fewer cycles have no variation from
+/// cycle to cycle that could be told from drift.
+const FEWEST_CYCLES: f64 = 2.8;
+/// Harmonics of a cycle explain less than this of a motion that has no rhythm.
+const LEAST_EXPLAINED: f64 = 0.4;
+/// Its frequency is looked for in the first minute \[s\]: later a rhythm is out of step with its start, and its phase,
+/// which is followed to the end, says what the frequency is.
+const LONGEST: f64 = 60.0;
+/// A fit whose levels are not known yet, with what they follow from.
+pub(super) struct MeanCycle {
+    pub fit: CycleFit,
+    pub amplitude: Series,
+    pub tempo: Series,
+}
+
+impl MeanCycle {
+    pub(super) fn of(recording: &Recording, harmonics: usize) -> Result<Self> {
+        let (times, positions) = (&recording.times, &recording.positions);
+        let span = recording.span();
+        let tempo = recording.tempo();
+        check(recording, tempo, harmonics)?;
+        let start = recording.first(LONGEST);
+        let near = steady::frequency(&start.times, &start.positions, tempo, harmonics);
+        check(recording, near, harmonics)?;
+
+        let windows = demodulation::demodulate(&recording.without_drift(), near);
+        if demodulation::a_cycle_apart(&windows).len() < CENTRES / 2 {
+            return Err(
+                Error::new(ErrorKind::Infeasible, "gaps leave no two cycles in a row")
+                    .expected("at least three cycles of a rhythm"),
+            );
+        }
+        let joint = demodulation::dominant(&windows);
+        let amplitudes: Vec<f64> = windows.iter().map(|w| w.phasors[joint].norm()).collect();
+        let mean = amplitudes.iter().sum::<f64>() / amplitudes.len() as f64;
+        if mean.is_nan() || mean <= 0.0 {
+            return Err(no_rhythm(near, 0.0));
+        }
+        let gains: Vec<f64> = amplitudes.iter().map(|a| a / mean).collect();
+        // A constant phase belongs to the cycle, a steady gain of phase to its frequency, and the rest is jitter.
+        let (wander, gain) = without_line(&windows, &demodulation::unwrapped(&windows, joint));
+        let frequency = near * (1.0 + gain / TAU);
+
+        let cycles: Vec<f64> = times.iter().map(|t| (t - times[0]) * near).collect();
+        let steady: Vec<f64> = times
+            .iter()
+            .map(|t| TAU * frequency * (t - times[0]))
+            .collect();
+        let ones = vec![1.0; times.len()];
+        let rigid = steady::fit(times, positions, &steady, &ones, harmonics)?;
+        let along: Vec<f64> = steady
+            .iter()
+            .zip(between(&windows, &wander, &cycles))
+            .map(|(phase, p)| phase + p)
+            .collect();
+        let swell = between(&windows, &gains, &cycles);
+        let lively = steady::fit(times, positions, &along, &swell, harmonics)?;
+        let best = rigid.explained.max(lively.explained);
+        if best < LEAST_EXPLAINED {
+            return Err(no_rhythm(frequency, best));
+        }
+        let logarithms: Vec<f64> = gains
+            .iter()
+            .map(|g| g.max(f64::MIN_POSITIVE).ln())
+            .collect();
+        Ok(Self {
+            amplitude: Series::amplitude(&windows, &cycles, &logarithms),
+            tempo: Series::tempo(&windows, &cycles, &wander),
+            fit: CycleFit {
+                name: recording.name.clone(),
+                wave: Wave::new(
+                    recording.joints.clone(),
+                    1.0 / frequency,
+                    lively.offsets,
+                    lively.weights,
+                )?,
+                explained: rigid.explained,
+                explained_with_jitter: lively.explained,
+                cycles: span * frequency,
+                amplitude_jitter: 0.0,
+                tempo_jitter: 0.0,
+            },
+        })
+    }
+}
+
+fn no_rhythm(frequency: f64, explained: f64) -> Error {
+    Error::new(
+        ErrorKind::Infeasible,
+        format!(
+            "a rhythm of {frequency:.2} Hz explains {:.0} % of the motion",
+            100.0 * explained
+        ),
+    )
+    .expected(format!("at least {:.0} %", 100.0 * LEAST_EXPLAINED))
+    .help("is it a rhythmic gesture, without what comes before and after?")
+}
+
+/// `values` less the straight line through them, and that line's slope a cycle.
+fn without_line(windows: &[Window], values: &[f64]) -> (Vec<f64>, f64) {
+    let count = values.len() as f64;
+    let middle = windows.iter().map(|w| w.centre).sum::<f64>() / count;
+    let mean = values.iter().sum::<f64>() / count;
+    let spread: f64 = windows.iter().map(|w| (w.centre - middle).powi(2)).sum();
+    let slope = windows
+        .iter()
+        .zip(values)
+        .map(|(w, x)| (w.centre - middle) * (x - mean))
+        .sum::<f64>()
+        / spread;
+    let rest = windows
+        .iter()
+        .zip(values)
+        .map(|(w, x)| x - mean - slope * (w.centre - middle))
+        .collect();
+    (rest, slope)
+}
+
+/// Whether a recording has cycles enough of `frequency`, and samples enough for its harmonics.
+fn check(recording: &Recording, frequency: f64, harmonics: usize) -> Result<()> {
+    let span = recording.span();
+    let cycles = span * frequency;
+    if cycles < FEWEST_CYCLES {
+        return Err(Error::new(
+            ErrorKind::Infeasible,
+            format!("{cycles:.1} cycles in {span:.2} s"),
+        )
+        .expected("at least 3"));
+    }
+    let nyquist = (recording.times.len() - 1) as f64 / (2.0 * span);
+    if harmonics as f64 * frequency >= nyquist {
+        return Err(Error::new(
+            ErrorKind::Shape,
+            format!(
+                "{:.1} samples a cycle for {harmonics} harmonics",
+                2.0 * nyquist / frequency
+            ),
+        )
+        .expected(format!("more than {}", 2 * harmonics))
+        .help("take fewer harmonics"));
+    }
+    Ok(())
+}
+
+/// Values at the windows' centres, linear between them and constant beyond, at the samples' times `cycles`.
+fn between(windows: &[Window], values: &[f64], cycles: &[f64]) -> Vec<f64> {
+    cycles
+        .iter()
+        .map(|u| {
+            let next = windows.partition_point(|w| w.centre <= *u);
+            if next == 0 {
+                return values[0];
+            }
+            if next == windows.len() {
+                return values[next - 1];
+            }
+            let (a, b) = (windows[next - 1].centre, windows[next].centre);
+            let share = (u - a) / (b - a);
+            values[next - 1] + (values[next] - values[next - 1]) * share
+        })
+        .collect()
+}
