@@ -16,7 +16,8 @@ pub struct HamiltonianOptions {
     pub acceptance: f64,
     /// Most gradients a trajectory; when steps are too small for that, trajectories are shorter. 100 by default.
     pub most_steps: usize,
-    /// Most directions in which the posterior's width is learned; 16 by default, 0 leaves the prior's.
+    /// Most directions in which the posterior's width is learned; 16 by default, 0 leaves the prior's. Fewer are safer for
+    /// many observations that are far from linear in z.
     pub directions: usize,
 }
 

@@ -78,7 +78,7 @@ impl Reference {
     ///
     /// It is as wide as the posterior and not as stiff as its curvature, on purpose: where J turns along the posterior, the
     /// inverse mean curvature, or its geometric mean with the covariance (Seyboldt, Carlson and Carpenter, arXiv
-    /// 2503.18845, 2025), is narrower than the posterior, and trajectories of a quarter turn no longer cross it.
+    /// 2503.18845, 2025), is narrower than the posterior, and chains mixed worse with it (DESIGN.md).
     pub fn learn(draws: &[Vec<f64>], gradients: &[Vec<f64>], most: usize) -> Self {
         let dimension = draws.first().map_or(0, Vec::len);
         let count = most.min(draws.len() / DRAWS_A_DIRECTION).min(dimension);
