@@ -33,6 +33,11 @@ impl Interval {
         self.lower <= x && x <= self.upper
     }
 
+    /// From -`radius` to `radius`; contains no NaN.
+    pub(crate) fn within(radius: f64) -> Self {
+        Self::around(0.0, radius)
+    }
+
     fn around(centre: f64, radius: f64) -> Self {
         Self {
             lower: centre - radius,

@@ -1,5 +1,6 @@
 //! Draws that never leave given joint intervals.
 
+use std::cmp::Ordering;
 use std::str::FromStr;
 
 use rand::distr::Distribution;
@@ -49,8 +50,7 @@ impl Bounds {
         let intervals = bounds
             .iter()
             .map(|bound| {
-                // A number that is none is refused as well.
-                if !(bound.interval.lower < bound.interval.upper) {
+                if bound.interval.lower.partial_cmp(&bound.interval.upper) != Some(Ordering::Less) {
                     return Err(Error::new(
                         ErrorKind::Value,
                         format!(

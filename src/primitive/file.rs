@@ -11,7 +11,7 @@ use super::{
 };
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Autoregression, Joints, Wave};
+use crate::fourier::{Autoregression, Interval, Joints, Wave};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
@@ -344,8 +344,8 @@ impl PhasesEntry {
                 centres_rad,
             } => (PhaseForm::Relative, joints.index(&reference)?, centres_rad),
         };
-        let turn = std::f64::consts::TAU;
-        if centres.len() != angles || centres.iter().any(|c| !(c.abs() <= turn)) {
+        let turn = Interval::within(std::f64::consts::TAU);
+        if centres.len() != angles || centres.iter().any(|c| !turn.contains(*c)) {
             return Err(shape(format!("{} branch centres", centres.len()))
                 .expected(format!("{angles} angles, D K of them")));
         }

@@ -37,7 +37,7 @@ pub use start::Start;
 pub use target::{Band, Posterior, Target, ViaPoint, WeightGradient};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::Wave;
+use crate::fourier::{Interval, Wave};
 use crate::normal;
 use gaussian::Contradiction;
 
@@ -83,8 +83,7 @@ impl FourierMovementPrimitive {
         for i in 0..gaussian.dimension() {
             let deviation = prior.variance(i).sqrt();
             let farthest = gaussian.prior_mean()[i].abs() + FARTHEST * deviation;
-            // A number that is none is refused as well.
-            if !(farthest <= chart.limit(i)) {
+            if !Interval::within(chart.limit(i)).contains(farthest) {
                 let place = chart
                     .coordinate(i)
                     .map_or_else(String::new, |c| c.to_string());
@@ -105,7 +104,7 @@ impl FourierMovementPrimitive {
     /// If no observation has moved the mean to where a weight may overflow.
     fn within_bounds(self) -> Result<Self> {
         let mean = self.gaussian.mean();
-        match (0..mean.len()).find(|i| !(mean[*i].abs() <= self.chart.limit(*i))) {
+        match (0..mean.len()).find(|i| !Interval::within(self.chart.limit(*i)).contains(mean[*i])) {
             None => Ok(self),
             Some(i) => Err(Error::new(
                 ErrorKind::Infeasible,

@@ -17,7 +17,7 @@ use super::example::Example;
 use super::observation::{Coordinate, JitterOf};
 use crate::elementary::{LARGEST, exp, polar};
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Joints, Wave};
+use crate::fourier::{Interval, Joints, Wave};
 
 /// Moduli below this many radians carry no more than rounding; the vector holds the logarithm of this instead.
 /// It acts on the statistics only: a wave's weights stay what they are.
@@ -266,8 +266,7 @@ impl LogPolar {
                     .expected(format!("{} entries", self.dimension())),
             );
         }
-        // A number that is none is refused as well.
-        if let Some(i) = (0..x.len()).find(|i| !(x[*i].abs() <= self.limit(*i))) {
+        if let Some(i) = (0..x.len()).find(|i| !Interval::within(self.limit(*i)).contains(x[*i])) {
             let place = self
                 .coordinate(i)
                 .map_or_else(String::new, |c| c.to_string());

@@ -7,6 +7,7 @@ use std::fmt;
 use super::LogPolar;
 use super::gaussian::LinearObservation;
 use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::Interval;
 
 /// Which harmonic: its number k, or its frequency k/T, for which a quarter of the spacing is near enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -336,13 +337,13 @@ impl Observation {
                 (row, self.value, self.deviation)
             }
         };
-        if !(value.abs() <= LARGEST_VALUE) {
+        if !Interval::within(LARGEST_VALUE).contains(value) {
             return refuse(
                 format!("value is {}", self.value),
                 "a number that a wave can have",
             );
         }
-        if !exact && !(deviation >= SMALLEST_DEVIATION) {
+        if !exact && deviation < SMALLEST_DEVIATION {
             return refuse(
                 format!("standard deviation is {}", self.deviation),
                 "more than rounding, or none for an exact value",
