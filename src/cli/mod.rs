@@ -3,6 +3,7 @@
 mod assumptions;
 mod check;
 mod compare_estimators;
+mod compare_periods;
 mod condition;
 mod learn;
 mod learn_cycle;
@@ -50,6 +51,7 @@ enum Verb {
     Reproduce(reproduce::Arguments),
     Learn(learn::Arguments),
     CompareEstimators(compare_estimators::Arguments),
+    ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
     Sample(sample::Arguments),
     Check(check::Arguments),
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
+        Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),

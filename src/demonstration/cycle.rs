@@ -129,6 +129,20 @@ impl CycleFits {
         &self.fits
     }
 
+    /// The same without jitter: what a model of steady cycles learns from.
+    #[must_use]
+    pub fn steady(&self) -> Self {
+        let fits = self.fits.iter().map(|fit| CycleFit {
+            amplitude_jitter: 0.0,
+            tempo_jitter: 0.0,
+            ..fit.clone()
+        });
+        Self {
+            fits: fits.collect(),
+            ..self.clone()
+        }
+    }
+
     /// The recordings that could not be used, and why.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out

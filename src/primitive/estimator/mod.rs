@@ -16,6 +16,9 @@ use super::gaussian::Gaussian;
 use super::scatter::{Scatter, UNIFORM};
 use crate::error::{Error, ErrorKind, Result};
 
+/// Standard deviation that the logarithm of a level of jitter has on its own.
+const LIVELINESS: f64 = 0.1;
+
 /// How the covariance is estimated. All keep the standard deviations of the demonstrations, and differ in the correlations, C for those of the demonstrations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Estimator {
@@ -84,6 +87,12 @@ impl Estimator {
         let mut independent = DVector::zeros(scatter.mean.len());
         for i in &scatter.uniform {
             independent[*i] = UNIFORM;
+        }
+        // How lively a wave is to be is the user's choice, also where all demonstrations were alike.
+        if let Some(tail) = scatter.chart.tail() {
+            for jitter in tail + scatter.chart.joints().len() + 1..scatter.mean.len() {
+                independent[jitter] = LIVELINESS;
+            }
         }
         let covariance = self
             .correlation(scatter)?
