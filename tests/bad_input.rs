@@ -125,7 +125,7 @@ fn bad_models_waves_and_robots_are_named() {
     std::fs::write(at.join("cut.json"), &model[..1000]).unwrap();
     std::fs::write(
         at.join("later.json"),
-        model.replace("\"version\":1", "\"version\":7"),
+        model.replace("\"version\":2", "\"version\":7"),
     )
     .unwrap();
     std::fs::write(at.join("map.toml"), "[joints.elbow]\nfrom = \"knee\"\n").unwrap();
@@ -141,7 +141,7 @@ fn bad_models_waves_and_robots_are_named() {
         ),
         (
             vec!["sample", "later.json", "-o", "x.json"],
-            vec!["later.json: version 7, expected 1"],
+            vec!["later.json: version 7, expected 1 to 2"],
         ),
         (
             vec!["sample", "wave.json", "-o", "x.json"],
@@ -182,7 +182,7 @@ fn bad_models_waves_and_robots_are_named() {
                 "-o",
                 "x.json",
             ],
-            vec!["positive modulus"],
+            vec!["positive number"],
         ),
         (
             vec!["check", "wave.json", "--robot", "nobody"],

@@ -60,7 +60,9 @@ fn from_the_demonstrator_to_the_robot() {
     let at = folder.path();
     let learned = json(at, &["learn", "-o", "model.json"]);
     assert_eq!(learned["demonstrations"].as_array().unwrap().len(), 15);
-    assert_eq!(learned["rank"], 14);
+    assert_eq!(learned["rank"], 255);
+    let paper = json(at, &["learn", "--paper", "-o", "paper.json"]);
+    assert_eq!(paper["rank"], 14);
     done(
         at,
         &[
