@@ -14,6 +14,9 @@ const ALONE: f64 = 1e-3;
 /// Of a squared resultant: ln of it is that of a uniform angle.
 const SHORTEST: f64 = 1e-12;
 
+/// Of the mean amplitude: below it a phase is not what the spread was learned for.
+const FAINT: f64 = 0.1;
+
 /// Probability with which a phase that is uniform is taken for one that is not.
 const UNIFORMITY_LEVEL: f64 = 0.05;
 
@@ -43,6 +46,8 @@ pub(super) struct Scatter {
     pub directions: DMatrix<f64>,
     /// The phases that are uniform, by index of x.
     pub uniform: Vec<usize>,
+    /// Of each phase, the mean of the amplitudes that it was weighted by, by the same weights; D K of them.
+    amplitudes: Vec<f64>,
 }
 
 impl Scatter {
@@ -72,24 +77,18 @@ impl Scatter {
             deviations: vec![0.0; n],
             directions: DMatrix::zeros(examples.len(), n),
             uniform: Vec::new(),
+            amplitudes: vec![0.0; after - phases],
             chart,
         };
         for i in 0..n {
             let values: Vec<f64> = vectors.iter().map(|x| x[i]).collect();
             if (phases..after).contains(&i) && form.phases != PhaseForm::Principal {
                 let own = i - phases;
-                let (d, k) = (own / harmonics, own % harmonics);
-                let anchor = scatter.chart.phases().anchor(d, k);
                 let weights: Vec<f64> = examples
                     .iter()
-                    .map(|example| {
-                        let modulus = |i: usize| {
-                            let weights = example.wave.weights();
-                            weights[(i / harmonics, i % harmonics)].norm().max(FLOOR)
-                        };
-                        modulus(own) * anchor.map_or(1.0, |(anchor, _)| modulus(anchor))
-                    })
+                    .map(|example| scatter.amplitude(example, own))
                     .collect();
+                scatter.amplitudes[own] = dot(&weights, &weights) / weights.iter().sum::<f64>();
                 scatter.set_angle(i, &values, &weights);
             } else {
                 scatter.set_number(i, &values);
@@ -100,6 +99,25 @@ impl Scatter {
             scatter.chart = scatter.chart.about(centres);
         }
         Ok(scatter)
+    }
+
+    /// What the phase at index `own` of D K is weighted by: the modulus, times that of the one it is relative to.
+    fn amplitude(&self, example: &Example, own: usize) -> f64 {
+        let harmonics = self.chart.harmonics();
+        let modulus = |i: usize| {
+            let weight = example.wave.weights()[(i / harmonics, i % harmonics)];
+            weight.norm().max(FLOOR)
+        };
+        let anchor = self.chart.phases().anchor(own / harmonics, own % harmonics);
+        modulus(own) * anchor.map_or(1.0, |(anchor, _)| modulus(anchor))
+    }
+
+    /// Whether a demonstration has so little amplitude at coordinate `i` that its phase there tells nothing.
+    pub fn is_faint(&self, example: &Example, i: usize) -> bool {
+        let (phases, after) = self.chart.starts();
+        let is_angle =
+            self.chart.phase_form() != PhaseForm::Principal && (phases..after).contains(&i);
+        is_angle && self.amplitude(example, i - phases) < FAINT * self.amplitudes[i - phases]
     }
 
     fn set_number(&mut self, i: usize, values: &[f64]) {

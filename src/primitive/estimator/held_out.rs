@@ -19,12 +19,15 @@ const RIDGE: f64 = 1e-6;
 /// A demonstration left out of the estimate.
 ///
 /// Its score is the density of its vector given its own largest modulus, in nats a dimension: coordinates in units of the standard
-/// deviations of the others, phases wrapped about their conditional mean, uniform phases not counted. Conditional, because that is what a primitive
+/// deviations of the others, phases wrapped about their conditional mean; uniform phases are not counted, nor those
+/// of a tenth or less of the amplitude that their spread was weighted by. Conditional, because that is what a primitive
 /// is for, and because joint density prefers estimators that forget how the joints go together (which is what conditioning uses).
 pub struct HeldOut {
     scatter: Scatter,
     /// The left-out vector, standardised.
     z: Vec<f64>,
+    /// 1 for the coordinates that are scored, 0 for phases without amplitude.
+    counted: Vec<f64>,
     /// Its largest modulus.
     dominant: usize,
 }
@@ -75,9 +78,13 @@ impl HeldOut {
                 }
             })
             .collect();
+        let counted = (0..x.len())
+            .map(|i| f64::from(u8::from(!scatter.is_faint(example, i))))
+            .collect();
         Ok(Self {
             scatter,
             z,
+            counted,
             dominant,
         })
     }
@@ -87,14 +94,12 @@ impl HeldOut {
     /// # Errors
     /// When the demonstrations admit no such estimate.
     pub fn score(&self, estimator: Estimator) -> Result<f64> {
-        let covariance = estimator.correlation(&self.scatter)?;
+        let covariance = self.correlation(estimator)?;
         let covariance = if estimator == Estimator::MaximumLikelihood {
-            let ridge = self
-                .scatter
-                .deviations
-                .iter()
-                .map(|s| if *s > 0.0 { RIDGE.sqrt() } else { 0.0 });
-            let ridge = DVector::from_iterator(self.z.len(), ridge);
+            let ridge = DVector::from_fn(self.z.len(), |i, _| {
+                let varies = self.scatter.deviations[i] > 0.0 && self.counted[i] > 0.0;
+                if varies { RIDGE.sqrt() } else { 0.0 }
+            });
             covariance.rescaled(&vec![1.0; self.z.len()], &ridge)?
         } else {
             covariance
@@ -102,15 +107,23 @@ impl HeldOut {
         Ok(self.conditional(&covariance, &Density::new(&covariance), 1.0, 1.0))
     }
 
+    /// Of the coordinates that are counted.
+    fn correlation(&self, estimator: Estimator) -> Result<Covariance> {
+        let alone = DVector::zeros(self.z.len());
+        estimator
+            .correlation(&self.scatter)?
+            .rescaled(&self.counted, &alone)
+    }
+
     /// The scores of the Kronecker estimator for each of [`weights`].
     fn scores(&self) -> Result<Vec<f64>> {
         let weight = Some(0.5);
-        let base = Estimator::Kronecker { weight }.correlation(&self.scatter)?;
+        let base = self.correlation(Estimator::Kronecker { weight })?;
         let density = Density::new(&base);
         weights()
             .map(|a| {
                 let weight = Some(a);
-                let covariance = Estimator::Kronecker { weight }.correlation(&self.scatter)?;
+                let covariance = self.correlation(Estimator::Kronecker { weight })?;
                 Ok(self.conditional(&covariance, &density, 2.0 * (1.0 - a), 2.0 * a))
             })
             .collect()
