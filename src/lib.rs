@@ -2,8 +2,8 @@
 //!
 //! `undulate` learns rhythmic gestures from demonstrations as Fourier movement primitives (Panteris, Manschitz and
 //! Calinon, "Learning, Generating and Adapting Wave Gestures for Expressive Human-Robot Interaction", HRI 2020
-//! Companion, doi 10.1145/3371382.3378286), draws waves that vary as a person's do, conditions them on amplitude, phase
-//! and posture, puts them on a robot described by URDF, checks limits and self-collision, and executes them as a
+//! Companion, doi 10.1145/3371382.3378286), draws waves that vary as a person's do, conditions them on amplitude, phase,
+//! posture and tempo, puts them on a robot described by URDF, checks limits and self-collision, and executes them as a
 //! multibody in Rapier. Pure Rust.
 //!
 //! # From recordings to a robot
@@ -60,7 +60,10 @@
 //! | \|w_{d,k}\| | modulus: HALF the amplitude of harmonic k | [`Coordinate::Modulus`] |
 //! | Arg w_{d,k} | phase | [`Coordinate::Phase`] |
 //! | x | all log moduli, phases and offsets, 2DK + D numbers | [`LogPolar`] |
-//! | mu, Sigma = F F^T | the Gaussian over x | [`Gaussian`] |
+//! | mu, Sigma = F F^T + Kronecker blocks + diagonal | the Gaussian over x | [`Gaussian`], [`Covariance`] |
+//! | a^T x = b | an observation, exact or with a standard deviation | [`Observation`], [`LinearObservation`] |
+//! | f, s_d, j | of cycles: frequency \[Hz\], swing \[rad\], jitter | [`Coordinate`], [`Cycles`] |
+//! | E y(t), Cov(y(t), y(s)) | the trajectories' moments | [`TrajectoryMoments`] |
 //!
 //! Angles are radians, lengths metres, times seconds, everywhere; text with units (`5deg`) is for people.
 //!
@@ -69,7 +72,8 @@
 //! * A value that exists is valid: constructors return [`Result`], operations return new values.
 //! * No file or text makes the crate panic; every [`Error`] says what, where, what was expected and what to do. (Slices of
 //!   another length than the robot has joints do, as indexing does; such functions say so.)
-//! * A model file and a seed give the same waves, bit for bit, on every machine.
+//! * A model file and a seed give the same waves, bit for bit, on every machine and with vectors of any width.
+//! * Draws of Markov chains come with R-hat and effective sample sizes, and say so if the chains have not mixed ([`posterior`]).
 //! * The learning half knows no robot, the robot half no primitive; modules use only modules below them (a test holds that).
 //!
 //! # What a check assumes

@@ -1,6 +1,5 @@
 //! What bad input gets: a message with its place, an exit code that means something, and no output.
 
-#[allow(dead_code)] // each file of tests uses its part
 #[path = "common/program.rs"]
 mod program;
 

@@ -1,7 +1,6 @@
 //! The program as a person or a script sees it: the main job, and the verbs on files.
 
 mod common;
-#[allow(dead_code)] // each file of tests uses its part
 #[path = "common/program.rs"]
 mod program;
 

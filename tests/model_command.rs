@@ -1,6 +1,5 @@
 //! The verbs of the model: estimators, cycles, knobs, bounds, targets, and what they refuse.
 
-mod common;
 #[path = "common/program.rs"]
 mod program;
 

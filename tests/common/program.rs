@@ -1,5 +1,8 @@
 //! The program, run as a person or a script runs it.
 
+// Every test file takes what it needs of these.
+#![allow(dead_code)]
+
 use std::path::Path;
 use std::process::{Command, Output};
 

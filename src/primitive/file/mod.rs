@@ -1,127 +1,26 @@
 //! The model file: versioned JSON. What is written is what was learned and what was observed since; the rest follows from it, bit for bit.
 
+mod entries;
+
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 
 use super::{
-    ChartForm, Covariance, Cycles, FourierMovementPrimitive, Gaussian, Kronecker,
-    LinearObservation, LogPolar, OffsetForm, PhaseForm,
+    ChartForm, Covariance, Cycles, FourierMovementPrimitive, Gaussian, LogPolar, OffsetForm,
+    PhaseForm,
 };
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Autoregression, Interval, Joints, Wave};
+use crate::fourier::{Autoregression, Joints, Wave};
+use entries::{
+    BlockEntry, CyclesEntry, ModelFile, ModelFile1, ObservationEntry, OffsetEntry, PhasesEntry,
+};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
 /// The version that is written.
 const VERSION: u64 = 2;
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ModelFile {
-    format: String,
-    version: u64,
-    joints: Vec<String>,
-    /// T, where it is common to all waves; else `cycles`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    period_s: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cycles: Option<CyclesEntry>,
-    harmonics: usize,
-    phases: PhasesEntry,
-    /// One a joint: `signed`, `positive` or `negative`.
-    offsets: Vec<OffsetEntry>,
-    /// n numbers in the order of `LogPolar`.
-    mean: Vec<f64>,
-    /// r columns of n numbers each: the covariance is the sum of their outer products, ..
-    factor: Vec<Vec<f64>>,
-    /// .. of Kronecker blocks, ..
-    blocks: Vec<BlockEntry>,
-    /// .. and of what coordinates do alone: index and standard deviation.
-    independent: Vec<(usize, f64)>,
-    observations: Vec<ObservationEntry>,
-}
-
-/// How many cycles a drawn wave has, and how they follow each other.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CyclesEntry {
-    count: usize,
-    amplitude_correlation: f64,
-    tempo_correlation: f64,
-}
-
-/// Version 1: principal phases, signed offsets, a factor, and conditioning already worked in.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ModelFile1 {
-    #[serde(rename = "format")]
-    _format: String,
-    #[serde(rename = "version")]
-    _version: u64,
-    #[serde(rename = "phases")]
-    _phases: Principal,
-    #[serde(rename = "offsets")]
-    _offsets: Signed,
-    joints: Vec<String>,
-    period_s: f64,
-    harmonics: usize,
-    mean: Vec<f64>,
-    factor: Vec<Vec<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Principal {
-    Principal,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Signed {
-    Signed,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "lowercase")]
-enum PhasesEntry {
-    Principal,
-    /// D K branch centres \[rad\].
-    Recentred {
-        centres_rad: Vec<f64>,
-    },
-    Relative {
-        reference: String,
-        centres_rad: Vec<f64>,
-    },
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum OffsetEntry {
-    Signed,
-    Positive,
-    Negative,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BlockEntry {
-    start: usize,
-    correlation: Vec<Vec<f64>>,
-    decay: f64,
-    deviations: Vec<f64>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObservationEntry {
-    row: Vec<(usize, f64)>,
-    value: f64,
-    deviation: f64,
-}
 
 impl FourierMovementPrimitive {
     /// The model file, version 2.
@@ -332,62 +231,4 @@ fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
             .expected("2 D K + D numbers in each column"));
     }
     Ok(DMatrix::from_fn(n, columns.len(), |i, j| columns[j][i]))
-}
-
-impl PhasesEntry {
-    fn parts(self, joints: &Joints, angles: usize) -> Result<(PhaseForm, usize, Vec<f64>)> {
-        let (form, reference, centres) = match self {
-            Self::Principal => return Ok((PhaseForm::Principal, 0, vec![0.0; angles])),
-            Self::Recentred { centres_rad } => (PhaseForm::Recentred, 0, centres_rad),
-            Self::Relative {
-                reference,
-                centres_rad,
-            } => (PhaseForm::Relative, joints.index(&reference)?, centres_rad),
-        };
-        let turn = Interval::within(std::f64::consts::TAU);
-        if centres.len() != angles || centres.iter().any(|c| !turn.contains(*c)) {
-            return Err(shape(format!("{} branch centres", centres.len()))
-                .expected(format!("{angles} angles, D K of them")));
-        }
-        Ok((form, reference, centres))
-    }
-}
-
-impl OffsetEntry {
-    fn form(self) -> OffsetForm {
-        match self {
-            Self::Signed => OffsetForm::Signed,
-            Self::Positive => OffsetForm::Positive,
-            Self::Negative => OffsetForm::Negative,
-        }
-    }
-}
-
-impl BlockEntry {
-    fn block(self) -> Result<Kronecker> {
-        let m = self.correlation.len();
-        if self.correlation.iter().any(|row| row.len() != m) {
-            return Err(shape("a correlation matrix that is not square".into()));
-        }
-        let correlation = DMatrix::from_fn(m, m, |i, j| self.correlation[i][j]);
-        Kronecker::new(self.start, correlation, self.decay, self.deviations)
-    }
-}
-
-impl ObservationEntry {
-    fn observation(self, n: usize) -> Result<LinearObservation> {
-        let within = self.row.iter().all(|(i, c)| *i < n && c.is_finite());
-        let numbers = self.value.is_finite() && self.deviation.is_finite();
-        if self.row.is_empty() || !within || !numbers || self.deviation < 0.0 {
-            return Err(Error::new(
-                ErrorKind::Value,
-                "an observation that is none of these coordinates",
-            ));
-        }
-        Ok(LinearObservation {
-            row: self.row,
-            value: self.value,
-            deviation: self.deviation,
-        })
-    }
 }

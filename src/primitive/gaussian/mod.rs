@@ -1,5 +1,7 @@
 //! [`Gaussian`]: maximum likelihood, exact conditioning on linear observations, sampling.
 
+mod observed;
+
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
@@ -9,15 +11,8 @@ use super::Covariance;
 use super::covariance::dot;
 use crate::error::{Error, ErrorKind, Result};
 use crate::normal;
-
-/// A direction whose standard deviation is below this has no variance: coordinates are radians and logarithms.
-const NO_VARIANCE: f64 = 1e-9;
-
-/// An exact value may differ from the only one that is possible by this many standard deviations, or by this much.
-const CONSISTENT: f64 = 1e-9;
-
-/// Of an observation's standard deviation, what earlier observations must leave for it to count as another direction.
-const DEPENDENT: f64 = 1e-8;
+pub(super) use observed::Contradiction;
+use observed::{Observed, norm};
 
 /// a^T x = b over the n coordinates of a Gaussian, exactly or with a standard deviation.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,39 +44,6 @@ pub struct Gaussian {
     covariance: Arc<Covariance>,
     observed: Vec<Arc<Observed>>,
     mean: DVector<f64>,
-}
-
-/// One observation, eliminated after those before it.
-#[derive(Debug, PartialEq)]
-struct Observed {
-    observation: LinearObservation,
-    /// Its column of Q: over z, and over the latent numbers of the inexact observations up to it.
-    latent: Vec<f64>,
-    noise: Vec<f64>,
-    /// Its column of U (n).
-    gain: Vec<f64>,
-}
-
-impl Observed {
-    /// The coordinate that is known exactly, if it is one alone.
-    fn fixed(&self) -> Option<(usize, f64)> {
-        match self.observation.row.as_slice() {
-            [(i, c)] if self.observation.deviation == 0.0 => Some((*i, self.observation.value / c)),
-            _ => None,
-        }
-    }
-
-    fn project_out(&self, latent: &mut [f64], noise: &mut [f64]) {
-        let share = dot(&self.latent, latent) + dot(&self.noise, &noise[..self.noise.len()]);
-        subtract(latent, share, &self.latent);
-        subtract(noise, share, &self.noise);
-    }
-}
-
-fn subtract(v: &mut [f64], share: f64, q: &[f64]) {
-    for (v, q) in v.iter_mut().zip(q) {
-        *v -= share * q;
-    }
 }
 
 impl Gaussian {
@@ -223,19 +185,22 @@ impl Gaussian {
     }
 
     /// How many standard normal numbers a draw takes.
-    pub(super) fn latent(&self) -> usize {
+    pub(in crate::primitive) fn latent(&self) -> usize {
         self.covariance.latent() + self.noises()
     }
 
     /// The latent numbers that move the coordinates of the block from `start` on and nothing else, if no observation holds them.
-    pub(super) fn untouched_latent(&self, start: usize) -> Option<std::ops::Range<usize>> {
+    pub(in crate::primitive) fn untouched_latent(
+        &self,
+        start: usize,
+    ) -> Option<std::ops::Range<usize>> {
         let own = self.covariance.latent_of_block(start)?;
         let held = |o: &Arc<Observed>| o.latent[own.clone()].iter().any(|q| *q != 0.0);
         (!self.observed.iter().any(held)).then_some(own)
     }
 
     /// x of latent numbers; what the observations determine is taken out of `z` first.
-    pub(super) fn at_latent(&self, z: &mut [f64]) -> DVector<f64> {
+    pub(in crate::primitive) fn at_latent(&self, z: &mut [f64]) -> DVector<f64> {
         let (latent, noise) = z.split_at_mut(self.covariance.latent());
         for observed in &self.observed {
             observed.project_out(latent, noise);
@@ -250,7 +215,7 @@ impl Gaussian {
     }
 
     /// The gradient with respect to the latent numbers of a function of x, from its gradient g (n) with respect to x.
-    pub(super) fn latent_gradient(&self, g: &[f64]) -> Vec<f64> {
+    pub(in crate::primitive) fn latent_gradient(&self, g: &[f64]) -> Vec<f64> {
         let mut z = self.covariance.apply_transposed(g);
         let mut noise = vec![0.0; self.noises()];
         for observed in self.observed.iter().rev() {
@@ -273,7 +238,7 @@ impl Gaussian {
     }
 
     /// Standard deviation of a^T x.
-    pub(super) fn deviation_of(&self, row: &[(usize, f64)]) -> f64 {
+    pub(in crate::primitive) fn deviation_of(&self, row: &[(usize, f64)]) -> f64 {
         let fixed = row.iter().all(|(i, _)| self.fixed().any(|(j, _)| j == *i));
         if fixed {
             return 0.0;
@@ -283,12 +248,16 @@ impl Gaussian {
     }
 
     /// a^T mu.
-    pub(super) fn mean_of(&self, row: &[(usize, f64)]) -> f64 {
+    pub(in crate::primitive) fn mean_of(&self, row: &[(usize, f64)]) -> f64 {
         row.iter().map(|(i, c)| c * self.mean[*i]).sum()
     }
 
     /// Cov(a^T x, b^T x).
-    pub(super) fn covariance_of(&self, a: &[(usize, f64)], b: &[(usize, f64)]) -> f64 {
+    pub(in crate::primitive) fn covariance_of(
+        &self,
+        a: &[(usize, f64)],
+        b: &[(usize, f64)],
+    ) -> f64 {
         let ((x, u), (y, v)) = (self.remaining(a, None), self.remaining(b, None));
         dot(&x, &y) + dot(&u, &v)
     }
@@ -309,170 +278,4 @@ impl Gaussian {
         }
         (latent, noise)
     }
-
-    /// The Gaussian given `observations` as well; the one with the largest share of its variance left goes first, as in a
-    /// pivoted QR. Batch and sequence are the same, and the order does not matter, but for rounding.
-    ///
-    /// # Errors
-    /// The index within `observations`, and what to say of it, when a value contradicts what is already certain.
-    pub(super) fn condition(
-        &self,
-        observations: &[LinearObservation],
-    ) -> std::result::Result<Self, Contradiction> {
-        let mut posterior = self.clone();
-        let mut open: Vec<Pivot> = observations
-            .iter()
-            .enumerate()
-            .map(|(index, observation)| Pivot::new(self, index, observation))
-            .collect();
-        while !open.is_empty() {
-            let mut best = 0;
-            for candidate in 1..open.len() {
-                if open[candidate].share() > open[best].share() {
-                    best = candidate;
-                }
-            }
-            let pivot = open.swap_remove(best);
-            let eliminated =
-                posterior
-                    .eliminate(&observations[pivot.index])
-                    .map_err(|certain| Contradiction {
-                        observation: pivot.index,
-                        certain,
-                        prior_deviation: pivot.prior,
-                    })?;
-            if eliminated && let Some(observed) = posterior.observed.last() {
-                open.iter_mut().for_each(|p| p.update(observed));
-            }
-        }
-        Ok(posterior)
-    }
-
-    /// As [`condition`](Self::condition), in the order given: what a file needs to come back bit for bit.
-    pub(super) fn replay(
-        &self,
-        observations: Vec<LinearObservation>,
-    ) -> std::result::Result<Self, Contradiction> {
-        let mut posterior = self.clone();
-        for (index, observation) in observations.into_iter().enumerate() {
-            let prior_deviation = self.deviation_of(&observation.row);
-            posterior
-                .eliminate(&observation)
-                .map_err(|certain| Contradiction {
-                    observation: index,
-                    certain,
-                    prior_deviation,
-                })?;
-        }
-        Ok(posterior)
-    }
-
-    /// Whether the observation told anything new; the only possible value where it contradicts.
-    fn eliminate(&mut self, observation: &LinearObservation) -> std::result::Result<bool, f64> {
-        let exact = observation.deviation == 0.0;
-        let prior = {
-            let mut a = vec![0.0; self.dimension()];
-            for (i, c) in &observation.row {
-                a[*i] += c;
-            }
-            let row = self.covariance.apply_transposed(&a);
-            dot(&row, &row).sqrt()
-        };
-        let residual = observation.value - self.mean_of(&observation.row);
-        let deviation = (!exact).then_some(observation.deviation);
-        let (mut latent, mut noise) = self.remaining(&observation.row, deviation);
-        let left = norm(&latent, &noise);
-        if exact && (left <= DEPENDENT * prior || left <= NO_VARIANCE) {
-            return if residual.abs() <= CONSISTENT * prior.max(1.0) {
-                Ok(false)
-            } else {
-                Err(self.mean_of(&observation.row))
-            };
-        }
-        latent.iter_mut().chain(&mut noise).for_each(|q| *q /= left);
-        let mut gain = vec![0.0; self.dimension()];
-        self.covariance.apply(&latent, &mut gain);
-        // What is known stays as it is, not only up to rounding.
-        for (i, _) in self.fixed() {
-            gain[i] = 0.0;
-        }
-        for (mean, u) in self.mean.iter_mut().zip(&gain) {
-            *mean += residual / left * u;
-        }
-        let observed = Observed {
-            observation: observation.clone(),
-            latent,
-            noise,
-            gain,
-        };
-        if let Some((i, value)) = observed.fixed() {
-            self.mean[i] = value;
-        }
-        self.observed.push(Arc::new(observed));
-        Ok(true)
-    }
-
-    /// The Mahalanobis distance of exact or inexact values from what is expected of them, given what is observed already:
-    /// sqrt((b - A mu)^T V^-1 (b - A mu)). Values that are certain already add nothing.
-    pub(super) fn mahalanobis(&self, observations: &[LinearObservation]) -> f64 {
-        let mut posterior = self.clone();
-        let mut squared = 0.0;
-        for observation in observations {
-            let residual = observation.value - posterior.mean_of(&observation.row);
-            let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
-            let (latent, noise) = posterior.remaining(&observation.row, deviation);
-            let left = norm(&latent, &noise);
-            if posterior.eliminate(observation) == Ok(true) {
-                squared += (residual / left).powi(2);
-            }
-        }
-        squared.sqrt()
-    }
-}
-
-fn norm(latent: &[f64], noise: &[f64]) -> f64 {
-    (dot(latent, latent) + dot(noise, noise)).sqrt()
-}
-
-/// An observation that waits, for the choice of the next.
-struct Pivot {
-    index: usize,
-    /// Standard deviation before any of those that wait, and what those before it have left of its square.
-    prior: f64,
-    variance: f64,
-    latent: Vec<f64>,
-}
-
-impl Pivot {
-    fn new(gaussian: &Gaussian, index: usize, observation: &LinearObservation) -> Self {
-        let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
-        let (latent, noise) = gaussian.remaining(&observation.row, deviation);
-        let prior = norm(&latent, &noise);
-        Self {
-            index,
-            prior,
-            variance: prior * prior,
-            latent,
-        }
-    }
-
-    fn share(&self) -> f64 {
-        self.variance.max(0.0).sqrt() / self.prior.max(NO_VARIANCE)
-    }
-
-    fn update(&mut self, observed: &Observed) {
-        // The noise of another observation is none of this one's.
-        self.variance -= dot(&observed.latent, &self.latent).powi(2);
-    }
-}
-
-/// An observation that the Gaussian rules out.
-#[derive(Debug)]
-pub(super) struct Contradiction {
-    /// Which one.
-    pub observation: usize,
-    /// The only value that is left for it.
-    pub certain: f64,
-    /// Its standard deviation before.
-    pub prior_deviation: f64,
 }
