@@ -14,6 +14,7 @@ mod robot;
 mod sample;
 mod simulate;
 mod source;
+mod trajectory;
 mod wishes;
 
 use std::path::Path;
@@ -52,6 +53,7 @@ enum Verb {
     CompareEstimators(compare_estimators::Arguments),
     Condition(condition::Arguments),
     Sample(sample::Arguments),
+    Trajectory(trajectory::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
+        Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
