@@ -252,6 +252,7 @@ fn every_verb_has_help_with_an_example() {
         "learn",
         "condition",
         "sample",
+        "trajectory",
         "check",
         "simulate",
         "map",

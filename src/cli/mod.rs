@@ -15,6 +15,7 @@ mod robot;
 mod sample;
 mod simulate;
 mod source;
+mod trajectory;
 mod wishes;
 
 use std::path::Path;
@@ -54,6 +55,7 @@ enum Verb {
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
     Sample(sample::Arguments),
+    Trajectory(trajectory::Arguments),
     Check(check::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
@@ -76,6 +78,7 @@ pub fn main() -> ExitCode {
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
+        Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),

@@ -7,7 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 
 /// Writes a line to standard output. A reader that has gone away is no error of ours.
 pub(super) fn say(text: impl AsRef<str>) {
@@ -87,6 +87,23 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     })
 }
 
+/// A file of numbers in columns, with a header.
+pub(super) fn csv<R: IntoIterator<Item = f64>>(
+    header: impl IntoIterator<Item = String>,
+    rows: impl IntoIterator<Item = R>,
+) -> Result<Vec<u8>> {
+    let fail = |e: csv::Error| Error::new(ErrorKind::Io, e.to_string());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(header).map_err(fail)?;
+    for row in rows {
+        let row = row.into_iter().map(|number| number.to_string());
+        writer.write_record(row).map_err(fail)?;
+    }
+    writer
+        .into_inner()
+        .map_err(|e| Error::new(ErrorKind::Io, e.to_string()))
+}
+
 /// A table with a header, its first column to the left and the others to the right.
 pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
@@ -123,5 +140,7 @@ pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 
 /// Degrees with a decimal, from radians.
 pub(super) fn degrees(radians: f64) -> String {
-    format!("{:.1}", radians.to_degrees())
+    let text = format!("{:.1}", radians.to_degrees());
+    // What is zero but for rounding has no sign.
+    if text == "-0.0" { "0.0".into() } else { text }
 }

@@ -1,6 +1,6 @@
 //! `undulate sample`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
@@ -148,8 +148,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         };
         output::write(&path, wave.to_json().as_bytes())?;
         if let Some(rate) = rows {
-            let table = table(&wave, rate, &path)?;
-            output::write(&path.with_extension("csv"), table.as_bytes())?;
+            output::write(&path.with_extension("csv"), &table(&wave, rate)?)?;
         }
         files.push(path);
         bar.inc(1);
@@ -213,7 +212,7 @@ impl Gate {
     }
 }
 
-fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {
+fn table(wave: &Wave, rate: f64) -> Result<Vec<u8>> {
     let points = (rate * wave.period()).round().max(1.0);
     if points > MOST_ROWS {
         return Err(
@@ -224,18 +223,11 @@ fn table(wave: &Wave, rate: f64, path: &Path) -> Result<String> {
     let points = points as usize;
     let grid = PeriodGrid::new(points, wave.harmonics());
     let positions = wave.on_grid(&grid, Derivative::Position);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let fail =
-        |e: csv::Error| Error::new(ErrorKind::Io, e.to_string()).at(path.display().to_string());
-    let header = std::iter::once("time_s").chain(wave.joints().iter().map(String::as_str));
-    writer.write_record(header).map_err(fail)?;
-    for (n, t) in grid.times(wave.period()).iter().enumerate() {
-        let positions = positions.row(n);
-        let row = std::iter::once(t).chain(&positions).map(f64::to_string);
-        writer.write_record(row).map_err(fail)?;
-    }
-    let bytes = writer
-        .into_inner()
-        .map_err(|e| Error::new(ErrorKind::Io, e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| Error::new(ErrorKind::Io, e.to_string()))
+    let header = std::iter::once("time_s".to_owned()).chain(wave.joints().iter().cloned());
+    let times = grid.times(wave.period());
+    let rows = times
+        .iter()
+        .zip(positions.row_iter())
+        .map(|(t, row)| std::iter::once(*t).chain(row.iter().copied().collect::<Vec<_>>()));
+    output::csv(header, rows)
 }

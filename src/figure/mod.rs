@@ -1,6 +1,7 @@
 //! Pictures, as bytes: plots as SVG and PNG, robots as PNG.
 
 mod axis;
+mod bands;
 mod canvas;
 mod font;
 mod frame;
@@ -25,6 +26,7 @@ mod robot_view;
 #[cfg(feature = "robot")]
 mod tube;
 
+pub use bands::bands;
 pub use image::{Color, Image, MAX_PIXELS, MAX_SIDE};
 pub use plot::{Mark, Picture, Plot, Series, draw};
 #[cfg(feature = "robot")]

@@ -14,6 +14,7 @@ mod moments;
 mod observation;
 mod scatter;
 mod start;
+mod start_spread;
 mod target;
 
 use std::fmt;
@@ -31,9 +32,10 @@ pub use example::Example;
 pub use gaussian::{Gaussian, LinearObservation};
 pub use kronecker::Kronecker;
 pub use learn::{LearnOptions, OffsetEvidence, Offsets};
-pub use moments::{StartSpread, TrajectoryMoments};
+pub use moments::TrajectoryMoments;
 pub use observation::{Coordinate, Harmonic, JitterOf, Observation, Quantity, Unit};
 pub use start::Start;
+pub use start_spread::StartSpread;
 pub use target::{Band, Posterior, Target, ViaPoint, WeightGradient};
 
 use crate::error::{Error, ErrorKind, Result};

@@ -5,33 +5,10 @@ mod weights;
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use num_complex::Complex;
 
-use super::FourierMovementPrimitive;
+use super::{FourierMovementPrimitive, StartSpread};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Derivative, Joints};
 use weights::{Kind, absolute, pair, weights};
-
-/// How far the start of a wave varies in time, independently of all else.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum StartSpread {
-    /// Not at all: it starts where the primitive says.
-    #[default]
-    None,
-    /// Anywhere in the period.
-    Uniform,
-    /// Normally, with this standard deviation \[s\].
-    Normal(f64),
-}
-
-impl StartSpread {
-    /// E exp(i q w delta) for a delay delta.
-    fn characteristic(self, q: f64, w: f64) -> f64 {
-        match self {
-            Self::None => 1.0,
-            Self::Uniform => f64::from(u8::from(q == 0.0)),
-            Self::Normal(deviation) => (-0.5 * (q * w * deviation).powi(2)).exp(),
-        }
-    }
-}
 
 /// The first two moments of the trajectories of a primitive.
 ///
