@@ -104,19 +104,9 @@ fn cycles_are_learned_turned_and_drawn() {
         ],
     );
     assert!(error.contains("--period cycle"), "{error}");
-    let error = fails(
-        at,
-        2,
-        &[
-            "condition",
-            "model.json",
-            "--tempo",
-            "1.02x",
-            "-o",
-            "x.json",
-        ],
-    );
-    assert!(error.contains("near") && error.contains("(k ="), "{error}");
+    let tempo = ["condition", "model.json", "--tempo", "1.2x", "-o", "x.json"];
+    let error = fails(at, 1, &tempo);
+    assert!(error.contains("--period cycle"), "{error}");
     let error = fails(at, 2, &["condition", "model.json", "-o", "x.json"]);
     assert!(error.contains("no condition"), "{error}");
     assert!(!at.join("x.json").exists());
@@ -284,4 +274,153 @@ fn estimators_are_compared_and_offsets_explained() {
         error.contains("joint `wrist_deviation`") && error.contains("no common sign"),
         "{error}"
     );
+}
+
+/// Medians over drawn waves of the root mean square of each joint about its offset [rad].
+fn sizes(at: &Path, model: &str, arguments: &[&str]) -> Vec<f64> {
+    let folder = format!("{model}_waves");
+    let sample = ["sample", model, "-n", "60", "-o", &folder];
+    let arguments: Vec<&str> = sample.iter().chain(arguments).copied().collect();
+    done(at, &arguments);
+    let waves: Vec<Wave> = program::files(&at.join(&folder))
+        .iter()
+        .map(|file| wave(&at.join(&folder).join(file)))
+        .collect();
+    std::fs::remove_dir_all(at.join(&folder)).unwrap();
+    (0..waves[0].joints().len())
+        .map(|d| {
+            let size = |w: &Wave| (2.0 * w.weights().row(d).norm_squared()).sqrt();
+            let mut sizes: Vec<f64> = waves.iter().map(size).collect();
+            sizes.sort_by(f64::total_cmp);
+            sizes[sizes.len() / 2]
+        })
+        .collect()
+}
+
+#[test]
+fn knobs_go_together_and_size_is_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    done(at, &["learn", "-o", "model.json"]);
+    let (before, half) = (
+        sizes(at, "model.json", &[]),
+        sizes(at, "model.json", &["--size", "0.5x"]),
+    );
+    for (before, half) in before.iter().zip(half) {
+        println!("{}", half / before);
+        assert!((0.4..0.65).contains(&(half / before)), "{}", half / before);
+    }
+    // README's words: all knobs at once, and a condition that has the last word.
+    done(at, &["learn", "--period", "cycle", "-o", "lively.json"]);
+    let all = [
+        "--tempo",
+        "1.2x",
+        "--size",
+        "0.8x",
+        "--more",
+        "wrist_deviation",
+        "--livelier",
+        "1.5x",
+    ];
+    let condition = [
+        "condition",
+        "lively.json",
+        "--given",
+        "swing:elbow_flexion=12deg",
+        "-o",
+        "all.json",
+    ];
+    done(
+        at,
+        &condition.iter().chain(&all).copied().collect::<Vec<_>>(),
+    );
+    let median = |name: &str, coordinate: &str| {
+        model(&at.join(name))
+            .median(&coordinate.parse().unwrap())
+            .unwrap()
+    };
+    let elbow = median("all.json", "swing:elbow_flexion").to_degrees();
+    assert!((elbow - 12.0).abs() < 1e-9, "{elbow}");
+    let wrist = "swing:wrist_deviation";
+    let (before, after) = (median("lively.json", wrist), median("all.json", wrist));
+    let more = model(&at.join("lively.json"))
+        .standard_deviation(&wrist.parse().unwrap())
+        .unwrap();
+    assert!((after / before - 0.8 * more.exp()).abs() < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_not_forgotten() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    done(at, &["learn", "-k", "12", "-o", "model.json"]);
+    done(at, &["learn", "--period", "cycle", "-o", "lively.json"]);
+    let refused = |model: &str, given: &str, words: &str| {
+        let error = fails(
+            at,
+            1,
+            &["condition", model, "--given", given, "-o", "x.json"],
+        );
+        assert!(error.contains(words), "{given}: {error}");
+    };
+    refused("lively.json", "frequency=1e-9Hz", "frequency");
+    refused("lively.json", "frequency=1e9Hz", "frequency");
+    // Rows of any size are rows.
+    for size in ["1e160", "1e-12"] {
+        let given = format!("sum:{size}*modulus:elbow_flexion:10=-3e-12");
+        let told = json(
+            at,
+            &[
+                "condition",
+                "model.json",
+                "--given",
+                &given,
+                "-o",
+                "sum.json",
+            ],
+        );
+        assert_eq!(
+            told["rank"].as_u64().unwrap() + 1,
+            told["rank_before"].as_u64().unwrap()
+        );
+    }
+    done(
+        at,
+        &[
+            "condition",
+            "model.json",
+            "--given",
+            "modulus:elbow_flexion:10=5deg",
+            "-o",
+            "five.json",
+        ],
+    );
+    refused(
+        "five.json",
+        "modulus:elbow_flexion:10=6deg+-1deg",
+        "certain already, 5.0000 deg",
+    );
+    refused(
+        "model.json",
+        "modulus:elbow_flexion:0.07Hz=5deg",
+        "near 0.150 Hz (k = 1)",
+    );
+    let nowhere = "elbow_flexion:1.51Hz..1.52Hz=10deg+-1deg";
+    let error = fails(
+        at,
+        1,
+        &["sample", "model.json", "--towards", nowhere, "-o", "x.json"],
+    );
+    assert!(
+        error.contains("no harmonic from 1.51 to 1.52 Hz"),
+        "{error}"
+    );
+    for option in ["--paper", "--align"] {
+        let error = fails(
+            at,
+            2,
+            &["learn", "--period", "cycle", option, "-o", "x.json"],
+        );
+        assert!(error.contains(option), "{error}");
+    }
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 use nalgebra::DMatrix;
 use undulate::{Derivative, FourierMovementPrimitive, StartSpread, TrajectoryMoments};
 
-#[allow(dead_code)] // each file of tests uses its part
 #[path = "common/program.rs"]
 mod program;
 

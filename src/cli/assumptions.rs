@@ -36,6 +36,14 @@ enum OffsetChoice {
 }
 
 impl Assumptions {
+    pub fn is_paper(&self) -> bool {
+        self.paper
+    }
+
+    pub fn aligns(&self) -> bool {
+        self.align
+    }
+
     pub fn options(&self) -> LearnOptions {
         if self.paper {
             return LearnOptions::paper();

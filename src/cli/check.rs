@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         .filter(|p| p.status == PairStatus::TouchingAtRest)
     {
         output::warn(format!(
-            "{} and {} touch at rest already: no wave will pass; if that is by design, --leave-out {}:{}",
+            "{} and {} touch when all joints are at 0, or as near to it as their limits allow: a wave that comes by there does not pass; if they touch by design, --leave-out {}:{}",
             pair.names.0, pair.names.1, pair.names.0, pair.names.1
         ));
     }

@@ -50,6 +50,12 @@ struct Row {
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let demonstrations = arguments.recordings.demonstrations()?;
     let waves = demonstrations.fit(arguments.harmonics)?;
+    if waves.len() < 3 {
+        return Err(
+            Error::new(ErrorKind::Shape, format!("{} demonstrations", waves.len()))
+                .expected("at least three: one is left out, and two make a model"),
+        );
+    }
     let options = arguments.assumptions.options();
     let examples: Vec<Example> = waves.iter().map(Example::from).collect();
     let form = options.form(&examples)?;

@@ -62,12 +62,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     });
     let rows = given
         .iter()
-        .map(|o| observation_row(&primitive, o))
+        .map(|o| observation_row(&primitive, &conditioned, o))
         .collect::<Result<Vec<_>>>()?;
     output::report(json, &value, || {
         format!(
             "{}\n{distance:.1} standard deviations from the demonstrations; {} of {} independent directions of variation are left\nwrote {}",
-            output::table(&["condition", "", "value", "median before"], &rows),
+            output::table(&["condition", "", "value", "median before", "after"], &rows),
             conditioned.gaussian().rank(),
             primitive.gaussian().rank(),
             arguments.output.display()
@@ -91,11 +91,12 @@ pub(super) fn observation_json(
 
 fn observation_row(
     primitive: &FourierMovementPrimitive,
+    conditioned: &FourierMovementPrimitive,
     observation: &Observation,
 ) -> Result<Vec<String>> {
-    let (unit, before) = match &observation.quantity {
-        Quantity::One(coordinate) => (coordinate.unit(), Some(primitive.median(coordinate)?)),
-        Quantity::Sum(_) => (Unit::Number, None),
+    let unit = match &observation.quantity {
+        Quantity::One(coordinate) => coordinate.unit(),
+        Quantity::Sum(_) => Unit::Number,
     };
     let (scale, unit) = unit.told();
     let told = |x: f64| format!("{:.2} {unit}", scale * x).trim_end().to_owned();
@@ -107,7 +108,8 @@ fn observation_row(
         observation.quantity.to_string(),
         frequency(primitive, observation).map_or(String::new(), |f| format!("{f:.3} Hz")),
         value,
-        before.map_or(String::new(), told),
+        told(primitive.median_of(observation)?),
+        told(conditioned.median_of(observation)?),
     ])
 }
 

@@ -9,6 +9,7 @@ use super::assumptions::{Assumptions, offset_table};
 use super::learn_cycle;
 use super::recordings::Recordings;
 use super::{Outcome, output};
+use crate::demonstration::Recording;
 use crate::error::Result;
 use crate::fourier::Wave;
 use crate::primitive::{Example, FourierMovementPrimitive, LearnOptions, Offsets};
@@ -113,22 +114,8 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
             harmonics
         ));
     }
-    let farthest = demonstrations
-        .recordings()
-        .iter()
-        .map(|r| r.positions().amax())
-        .fold(0.0, f64::max);
-    if farthest > UNLIKELY {
-        output::warn(format!(
-            "a joint is at {farthest:.1} rad, {:.1} turns: are the recordings in degrees? then add --degrees",
-            farthest / std::f64::consts::TAU
-        ));
-    }
-    let still = (0..primitive.gaussian().dimension())
-        .all(|i| primitive.gaussian().standard_deviation(i) < IDENTICAL);
-    if still {
-        output::warn("the demonstrations are all the same: every draw will be the same wave");
-    }
+    warn_of_units(demonstrations.recordings());
+    warn_of_sameness(&primitive);
     write_fits(arguments, waves.iter())?;
     output::write(&arguments.output, primitive.to_json().as_bytes())?;
 
@@ -190,6 +177,29 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
         text
     });
     Ok(Outcome::Done)
+}
+
+/// A joint that is wound up was recorded in other units.
+pub(super) fn warn_of_units(recordings: &[Recording]) {
+    let farthest = recordings
+        .iter()
+        .map(|r| r.positions().amax())
+        .fold(0.0, f64::max);
+    if farthest > UNLIKELY {
+        output::warn(format!(
+            "a joint is at {farthest:.1} rad, {:.1} turns: are the recordings in degrees? then add --degrees",
+            farthest / std::f64::consts::TAU
+        ));
+    }
+}
+
+/// One demonstration given several times teaches no variation.
+pub(super) fn warn_of_sameness(primitive: &FourierMovementPrimitive) {
+    let angles = 2 * primitive.chart().joints().len() * primitive.chart().harmonics();
+    let still = (0..angles).all(|i| primitive.gaussian().standard_deviation(i) < IDENTICAL);
+    if still {
+        output::warn("the demonstrations are all the same: every draw will be the same wave");
+    }
 }
 
 /// The fitted wave of each demonstration, where asked for.

@@ -3,10 +3,10 @@
 use serde_json::json;
 
 use super::assumptions::offset_table;
-use super::learn::{Arguments, write_fits};
+use super::learn::{Arguments, warn_of_sameness, warn_of_units, write_fits};
 use super::{Outcome, output};
 use crate::demonstration::{CycleFit, CycleFits};
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::primitive::{
     Coordinate, Example, FourierMovementPrimitive, JitterOf, LearnOptions, Offsets,
 };
@@ -18,7 +18,21 @@ const HARMONICS: usize = 4;
 const LITTLE_EXPLAINED: f64 = 0.7;
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
+    for (given, option) in [
+        (arguments.recordings.has_duration(), "--duration"),
+        (arguments.assumptions.is_paper(), "--paper"),
+        (arguments.assumptions.aligns(), "--align"),
+    ] {
+        if given {
+            return Err(Error::new(
+                ErrorKind::Setting,
+                format!("{option} with --period cycle, where each recording keeps its own length and start"),
+            )
+            .expected("one of the two"));
+        }
+    }
     let recordings = arguments.recordings.uncut()?;
+    warn_of_units(&recordings);
     let fits = CycleFits::new(&recordings, arguments.harmonics.unwrap_or(HARMONICS))?;
     for left_out in fits.left_out() {
         output::warn(format!(
@@ -47,6 +61,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         ..options
     };
     let primitive = FourierMovementPrimitive::from_cycles(&fits, arguments.cycles, &options)?;
+    warn_of_sameness(&primitive);
     write_fits(arguments, fits.fits().iter().map(|fit| &fit.wave))?;
     output::write(&arguments.output, primitive.to_json().as_bytes())?;
 

@@ -47,6 +47,10 @@ impl Recordings {
         }
     }
 
+    pub fn has_duration(&self) -> bool {
+        self.duration.is_some()
+    }
+
     /// As they were recorded.
     pub fn uncut(&self) -> Result<Vec<Recording>> {
         if self.is_synthetic()? {

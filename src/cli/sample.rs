@@ -1,6 +1,7 @@
 //! `undulate sample`.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
@@ -54,7 +55,8 @@ pub(super) struct Arguments {
     map: Option<String>,
     #[command(flatten)]
     wishes: Wishes,
-    /// Where in its period a wave starts: `kept` as the demonstrations did, `redrawn` anywhere, or a phase of its largest weight, such as 0deg.
+    /// Where in its period a wave starts: `kept` as the demonstrations did, `redrawn` anywhere, or at a phase of its strongest harmonic, such as 0deg,
+    /// which is about the upper turning point of the joint that moves most.
     #[arg(long, value_name = "START", default_value = "kept")]
     start: Start,
     /// Something to aim at that is no condition: a position at a time, elbow@1.2s=90deg+-2deg, or the amplitude of a band of frequencies,
@@ -113,18 +115,21 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         arguments.start,
     )?;
     let bar = output::progress(arguments.count, "drawing waves");
-    let mut files = Vec::new();
+    let mut kept = Vec::new();
+    let mut refusals: BTreeMap<String, u64> = BTreeMap::new();
     let (mut draws, mut within) = (0, 0);
-    while (files.len() as u64) < arguments.count {
+    while (kept.len() as u64) < arguments.count {
         if draws >= MOST_DRAWS.saturating_mul(arguments.count) {
+            let most = refusals.iter().max_by_key(|(_, times)| **times);
+            let most = most.map_or(String::new(), |(why, times)| {
+                format!("; most often, {times} times, {why}")
+            });
             return Err(Error::new(
                 ErrorKind::Infeasible,
-                format!("{} of {draws} draws can be used", files.len()),
+                format!("{} of {draws} draws can be used{most}", kept.len()),
             )
             .expected(format!("{} waves", arguments.count))
-            .help(
-                "wider --within, smaller moduli, another posture; look at one with `undulate check`",
-            ));
+            .help("nothing is written; ask for a smaller or slower wave, another posture, or less narrow bounds"));
         }
         let index = arguments
             .first
@@ -133,14 +138,23 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         draws += 1;
         let wave = source.wave(index)?;
         if !bounds.admit(&wave) {
+            *refusals.entry("it leaves --within".into()).or_default() += 1;
             continue;
         }
         within += 1;
         if let Some(gate) = &gate
-            && !gate.passes(&wave)?
+            && let Some(why) = gate.refusal(&wave)?
         {
+            *refusals.entry(why).or_default() += 1;
             continue;
         }
+        kept.push((index, wave));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    // Only now that there are as many as were asked for.
+    let mut files = Vec::new();
+    for (index, wave) in kept {
         let path = if is_file {
             arguments.output.clone()
         } else {
@@ -151,10 +165,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             output::write(&path.with_extension("csv"), &table(&wave, rate)?)?;
         }
         files.push(path);
-        bar.inc(1);
     }
-    bar.finish_and_clear();
-    let value = json!({"seed": arguments.seed, "period_s": period, "chains": source.diagnostics_json(), "draws": draws, "within_bounds": within, "waves": files});
+    let stale = if is_file {
+        0
+    } else {
+        others(&arguments.output, &files)
+    };
+    if stale > 0 {
+        output::warn(format!(
+            "{} holds {stale} wave files that were there before",
+            arguments.output.display()
+        ));
+    }
+    let value = json!({"seed": arguments.seed, "period_s": period, "chains": source.diagnostics_json(), "reached": source.reached_json(), "draws": draws, "within_bounds": within, "waves": files});
     output::report(json, &value, || {
         let mut text = match files.as_slice() {
             [one] => format!("wrote {}", one.display()),
@@ -206,10 +229,45 @@ impl Gate {
         })
     }
 
-    fn passes(&self, wave: &Wave) -> Result<bool> {
+    /// Why the wave does not pass, if it does not.
+    fn refusal(&self, wave: &Wave) -> Result<Option<String>> {
         let wave = self.map.apply(wave, &self.robot)?;
-        Ok(Verdict::of(&self.robot, &self.collision, &wave, STEP)?.passes())
+        let verdict = Verdict::of(&self.robot, &self.collision, &wave, STEP)?;
+        if verdict.passes() {
+            return Ok(None);
+        }
+        let broken = verdict
+            .limits
+            .iter()
+            .filter(|limit| limit.excess() > 0.0)
+            .max_by(|a, b| a.excess().total_cmp(&b.excess()));
+        Ok(Some(match (broken, &verdict.collision) {
+            (Some(limit), _) => {
+                let quantity = match limit.quantity {
+                    Derivative::Velocity => "velocity",
+                    _ => "position",
+                };
+                format!("the {quantity} limit of `{}` is exceeded", limit.joint)
+            }
+            (None, Some(collision)) => {
+                let pair = &collision.clearance.pair;
+                format!("`{}` and `{}` touch", pair.0, pair.1)
+            }
+            (None, None) => "it does not pass the check".to_owned(),
+        }))
     }
+}
+
+/// Wave files in a folder that are none of these.
+fn others(folder: &Path, files: &[PathBuf]) -> usize {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.path())
+        .filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("wave_") && name.ends_with(".json") && !files.contains(path)
+        })
+        .count()
 }
 
 fn table(wave: &Wave, rate: f64) -> Result<Vec<u8>> {

@@ -9,10 +9,15 @@ use crate::fourier::Wave;
 use crate::posterior::{Diagnostics, Schedule};
 use crate::primitive::{FourierMovementPrimitive, Posterior, Start, Target, stream};
 
+/// Standard deviations of a target that the draws may be off on average before that is worth a word.
+const MISSED: f64 = 2.0;
+
 /// Waves by number.
 pub(super) struct Source {
     primitive: FourierMovementPrimitive,
     posterior: Option<(Posterior, Diagnostics)>,
+    /// Of each target, as text, mean and standard deviation of what the draws reach \[rad\].
+    reached: Vec<(String, f64, f64)>,
     seed: u64,
     start: Start,
 }
@@ -29,6 +34,7 @@ impl Source {
             return Ok(Self {
                 primitive,
                 posterior: None,
+                reached: Vec::new(),
                 seed,
                 start,
             });
@@ -41,20 +47,47 @@ impl Source {
             .expected("one of the two"));
         }
         let bar = output::progress(1, "following chains");
-        let posterior = primitive.towards(targets, &Schedule::default(), seed)?;
+        let schedule = Schedule {
+            warm_up: 1000,
+            draws: 3000,
+            ..Schedule::default()
+        };
+        let posterior = primitive.towards(targets, &schedule, seed)?;
         bar.finish_and_clear();
         let diagnostics = posterior.diagnostics()?;
         if !diagnostics.mixed() {
             output::warn(format!(
-                "the chains have NOT mixed ({diagnostics}): these draws are not to be trusted; ask for less, or with larger standard deviations"
+                "these draws are not to be trusted: {diagnostics}; aim at less, or with larger standard deviations"
             ));
         }
+        let mut reached = Vec::new();
         for target in targets {
-            output::note(format!("towards {target}"));
+            target.measure(&posterior.wave(0, 0)?)?;
+            let values = posterior
+                .series(|wave| target.measure(wave).unwrap_or(f64::NAN))
+                .concat();
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
+            let (aim, deviation) = target.aim();
+            let told = format!(
+                "towards {target}: drawn {} +- {} deg",
+                output::degrees(mean),
+                output::degrees(square.sqrt())
+            );
+            if (mean - aim).abs() > MISSED * deviation {
+                output::warn(format!(
+                    "{told}, and so missed: it contradicts what else is asked, or lies far from what was demonstrated"
+                ));
+            } else {
+                output::note(told);
+            }
+            reached.push((target.to_string(), mean, square.sqrt()));
         }
         Ok(Self {
             primitive,
             posterior: Some((posterior, diagnostics)),
+            reached,
             seed,
             start,
         })
@@ -86,6 +119,15 @@ impl Source {
     /// What the chains came to.
     pub fn diagnostics(&self) -> Option<&Diagnostics> {
         self.posterior.as_ref().map(|(_, diagnostics)| diagnostics)
+    }
+
+    pub fn reached_json(&self) -> Value {
+        self.reached
+            .iter()
+            .map(|(target, mean, deviation)| {
+                json!({"target": target, "mean_rad": mean, "standard_deviation_rad": deviation})
+            })
+            .collect()
     }
 
     pub fn diagnostics_json(&self) -> Value {

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::output;
 use crate::error::{Error, ErrorKind, Result};
-use crate::primitive::{FourierMovementPrimitive, Observation};
+use crate::primitive::{FourierMovementPrimitive, Observation, Quantity};
 
 /// Conditions, exact or not, and knobs that are translated into such.
 #[derive(Args)]
@@ -13,10 +13,10 @@ pub(super) struct Wishes {
     /// or of cycles frequency=2.5Hz, swing:elbow=10deg, jitter:amplitude=5%; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     given: Vec<Observation>,
-    /// So many times as fast, such as 1.2x.
+    /// So many times as fast, such as 1.2x: the frequency, or with a common period the strongest harmonic of the strongest joint.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     tempo: Option<f64>,
-    /// So many times as large, all joints.
+    /// So many times as large: the swing of every joint, or with a common period the largest modulus of every joint.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     size: Option<f64>,
     /// More of a joint: one standard deviation above its median amplitude; may be given several times.
@@ -28,27 +28,53 @@ pub(super) struct Wishes {
 }
 
 impl Wishes {
-    /// All of them as observations of a primitive; knobs are told as what they are translated to.
+    /// All of them as observations of a primitive; knobs are told as what they are translated to. The more specific has the last word: `--more` acts on top of
+    /// `--size`, and a condition in the place of a knob that sets the same quantity.
     pub fn observations(&self, primitive: &FourierMovementPrimitive) -> Result<Vec<Observation>> {
-        let mut observations = self.given.clone();
-        let mut add = |knob: String, translated: Vec<Observation>| {
-            let words: Vec<String> = translated.iter().map(ToString::to_string).collect();
-            output::note(format!("{knob} is {}", words.join(", ")));
-            observations.extend(translated);
-        };
+        let mut knobs: Vec<Observation> = Vec::new();
+        let mut told = Vec::new();
         if let Some(factor) = self.tempo {
-            add(format!("--tempo {factor}x"), primitive.at_tempo(factor)?);
+            told.push((format!("--tempo {factor}x"), primitive.at_tempo(factor)?));
         }
         if let Some(factor) = self.size {
-            add(format!("--size {factor}x"), primitive.at_size(factor)?);
-        }
-        for joint in &self.more {
-            add(format!("--more {joint}"), vec![primitive.with_more(joint)?]);
+            told.push((format!("--size {factor}x"), primitive.at_size(factor)?));
         }
         if let Some(factor) = self.livelier {
-            add(format!("--livelier {factor}x"), primitive.livelier(factor)?);
+            told.push((format!("--livelier {factor}x"), primitive.livelier(factor)?));
         }
-        Ok(observations)
+        for (_, translated) in &told {
+            translated.iter().for_each(|o| put(&mut knobs, o.clone()));
+        }
+        for joint in &self.more {
+            let mut more = primitive.with_more(joint)?;
+            if let Some(sized) = knobs.iter().find(|k| k.quantity == more.quantity) {
+                let Quantity::One(coordinate) = &more.quantity else {
+                    continue;
+                };
+                more.value *= sized.value / primitive.median(coordinate)?;
+            }
+            put(&mut knobs, more.clone());
+            told.push((format!("--more {joint}"), vec![more]));
+        }
+        for (knob, translated) in told {
+            let words: Vec<String> = translated.iter().map(ToString::to_string).collect();
+            output::note(format!("{knob} is {}", words.join(", ")));
+        }
+        knobs.retain(|knob| {
+            self.given
+                .iter()
+                .all(|given| given.quantity != knob.quantity)
+        });
+        knobs.extend(self.given.iter().cloned());
+        Ok(knobs)
+    }
+}
+
+/// In the place of an observation of the same quantity, if there is one.
+fn put(observations: &mut Vec<Observation>, new: Observation) {
+    match observations.iter_mut().find(|o| o.quantity == new.quantity) {
+        Some(old) => *old = new,
+        None => observations.push(new),
     }
 }
 

@@ -202,9 +202,13 @@ impl Wave {
         grid.evaluate(self, derivative)
     }
 
-    /// The same motion started `delay` seconds into it: y(t + delay), so w_k becomes w_k exp(i k w delay).
+    /// The same motion started `delay` seconds into it: y(t + delay), so w_k becomes w_k exp(i k w delay). A delay that is no finite
+    /// number is none.
     #[must_use]
     pub fn advanced(&self, delay: f64) -> Self {
+        if !delay.is_finite() {
+            return self.clone();
+        }
         let step = self.rotation(delay);
         let mut rotation = step;
         let mut weights = self.weights.clone();

@@ -54,8 +54,9 @@ impl Bounds {
                     return Err(Error::new(
                         ErrorKind::Value,
                         format!(
-                            "an interval from {} to {} rad",
-                            bound.interval.lower, bound.interval.upper
+                            "an interval from {:.3} to {:.3} deg",
+                            bound.interval.lower.to_degrees(),
+                            bound.interval.upper.to_degrees()
                         ),
                     )
                     .expected("the lower end first")

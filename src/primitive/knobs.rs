@@ -1,82 +1,46 @@
 //! Wishes as people have them, translated into observations.
 
-use super::{Coordinate, FourierMovementPrimitive, Harmonic, JitterOf, Observation};
+use super::{Coordinate, FourierMovementPrimitive, JitterOf, Observation, Quantity};
 use crate::error::{Error, ErrorKind, Result};
 
-/// A wish is heard if it comes this near, in harmonics.
-const NEAR: f64 = 0.25;
-
 impl FourierMovementPrimitive {
-    /// `factor` times as fast.
-    ///
-    /// Of cycles, the frequency times the factor. With a common period, the largest median modulus, at harmonic k, moves to
-    /// harmonic `factor` k, and what was there moves to k.
+    /// `factor` times as fast: of cycles, the frequency.
     ///
     /// # Errors
-    /// When the factor is not positive, or `factor` k is no harmonic, or k itself; the message names the neighbours.
+    /// When the factor is not positive, or the period is common: there every wave has its energy about harmonics of its own, and no row over x is its tempo.
     pub fn at_tempo(&self, factor: f64) -> Result<Vec<Observation>> {
         check(factor)?;
-        if self.chart().cycles().is_some() {
-            let frequency = self.median(&Coordinate::Frequency)?;
-            return Ok(vec![Observation::of(
-                Coordinate::Frequency,
-                factor * frequency,
-            )]);
-        }
-        let mut strongest = (String::new(), 0, 0.0);
-        for joint in self.chart().joints() {
-            let (k, modulus) = self.strongest(joint)?;
-            if modulus > strongest.2 {
-                strongest = (joint.clone(), k, modulus);
-            }
-        }
-        let (joint, k, modulus) = strongest;
-        let target = factor * k as f64;
-        let nearest = target.round();
-        if (target - nearest).abs() > NEAR || nearest < 1.0 || nearest as usize == k {
-            let below = (target.floor() as usize).max(1);
-            let reached = |to: usize| format!("{:.3}x (k = {to})", to as f64 / k as f64);
-            return Err(Error::new(
-                ErrorKind::Setting,
-                format!("a tempo of {factor}x takes harmonic {k} to {target:.2}"),
-            )
-            .expected(format!("near {} or {}", reached(below), reached(below + 1)))
-            .help("or learn with --period cycle, where every tempo is a number"));
-        }
-        let to = nearest as usize;
-        let there = self.median_modulus(&joint, to)?;
-        Ok(vec![
-            Observation::modulus(joint.clone(), to, modulus),
-            Observation::modulus(joint, k, there),
-        ])
+        self.need_cycles("a tempo")?;
+        let frequency = self.median(&Coordinate::Frequency)?;
+        Ok(vec![Observation::of(
+            Coordinate::Frequency,
+            factor * frequency,
+        )])
     }
 
-    /// `factor` times as large: every joint's swing, or with a common period its largest median modulus.
+    /// `factor` times as large: of cycles, every joint's swing. With a common period, of every joint the mean of its log moduli, each
+    /// weighted by its expected energy E|w_k|^2.
     ///
     /// # Errors
     /// When the factor is not positive.
     pub fn at_size(&self, factor: f64) -> Result<Vec<Observation>> {
         check(factor)?;
-        self.chart()
-            .joints()
-            .iter()
-            .map(|joint| {
-                let amplitude = self.amplitude(joint)?;
-                let median = self.median(&amplitude)?;
-                Ok(Observation::of(amplitude, factor * median))
-            })
-            .collect()
+        let mut sized = Vec::new();
+        for joint in self.chart().joints() {
+            // A joint that stands still stands still at any size.
+            if self.spread_of_size(joint)? > 0.0 {
+                sized.push(self.resized(joint, factor)?);
+            }
+        }
+        Ok(sized)
     }
 
-    /// More of a joint: a standard deviation above the median of its swing, or with a common period of its largest median modulus.
+    /// More of a joint: a standard deviation above the median of what [`at_size`](Self::at_size) scales.
     ///
     /// # Errors
     /// When there is no such joint.
     pub fn with_more(&self, joint: &str) -> Result<Observation> {
-        let amplitude = self.amplitude(joint)?;
-        let above = self.standard_deviation(&amplitude)?.exp();
-        let median = self.median(&amplitude)?;
-        Ok(Observation::of(amplitude, above * median))
+        self.resized(joint, self.spread_of_size(joint)?.exp())
     }
 
     /// `factor` times as lively: the jitter of amplitude and of tempo.
@@ -85,6 +49,7 @@ impl FourierMovementPrimitive {
     /// When the factor is not positive, or the period is common.
     pub fn livelier(&self, factor: f64) -> Result<Vec<Observation>> {
         check(factor)?;
+        self.need_cycles("liveliness")?;
         [JitterOf::Amplitude, JitterOf::Tempo]
             .into_iter()
             .map(|of| {
@@ -95,27 +60,66 @@ impl FourierMovementPrimitive {
             .collect()
     }
 
-    /// How large a joint's motion is.
-    fn amplitude(&self, joint: &str) -> Result<Coordinate> {
+    fn need_cycles(&self, what: &str) -> Result<()> {
         if self.chart().cycles().is_some() {
-            let joint = joint.to_owned();
-            self.chart().joints().index(&joint)?;
-            return Ok(Coordinate::Swing { joint });
+            return Ok(());
         }
-        let (k, _) = self.strongest(joint)?;
-        Ok(Coordinate::modulus(joint, k))
+        Err(Error::new(
+            ErrorKind::Unsupported,
+            format!("{what} of a model whose period is common to all waves"),
+        )
+        .expected("a model learned with --period cycle")
+        .help("or condition on moduli at the frequencies you want"))
     }
 
-    /// The harmonic of a joint's largest median modulus, and that.
-    fn strongest(&self, joint: &str) -> Result<(usize, f64)> {
-        let mut best = (1, 0.0);
-        for k in 1..=self.chart().harmonics() {
-            let modulus = self.median_modulus(joint, Harmonic::Number(k))?;
-            if modulus > best.1 {
-                best = (k, modulus);
-            }
+    /// How large a joint's motion is, as one row.
+    fn size(&self, joint: &str) -> Result<Observation> {
+        if self.chart().cycles().is_some() {
+            let joint = joint.to_owned();
+            let swing = Coordinate::Swing { joint };
+            let median = self.median(&swing)?;
+            return Ok(Observation::of(swing, median));
         }
-        Ok(best)
+        let moduli: Vec<Coordinate> = (1..=self.chart().harmonics())
+            .map(|k| Coordinate::modulus(joint, k))
+            .collect();
+        let energies = moduli
+            .iter()
+            .map(|modulus| {
+                let spread = self.standard_deviation(modulus)?;
+                // E exp(2 l) of a normal l.
+                Ok((self.median(modulus)? * spread.powi(2).exp()).powi(2))
+            })
+            .collect::<Result<Vec<f64>>>()?;
+        let total: f64 = energies.iter().sum();
+        let terms = energies.iter().map(|e| e / total).zip(moduli).collect();
+        let mut size = Observation::sum(terms, 0.0);
+        size.value = self.median_of(&size)?;
+        Ok(size)
+    }
+
+    /// Standard deviation of the logarithm of a joint's size.
+    fn spread_of_size(&self, joint: &str) -> Result<f64> {
+        let size = self.size(joint)?;
+        // Rows are scaled to unit size.
+        let scale = match &size.quantity {
+            Quantity::One(_) => 1.0,
+            Quantity::Sum(terms) => terms.iter().fold(0.0, |s: f64, (c, _)| s.max(c.abs())),
+        };
+        Ok(scale
+            * self
+                .gaussian()
+                .deviation_of(&size.linear(self.chart())?.row))
+    }
+
+    fn resized(&self, joint: &str, factor: f64) -> Result<Observation> {
+        let mut size = self.size(joint)?;
+        if self.chart().cycles().is_some() {
+            size.value *= factor;
+        } else {
+            size.value += factor.ln();
+        }
+        Ok(size)
     }
 }
 

@@ -59,6 +59,9 @@ impl Kronecker {
         if correlation != correlation.transpose() {
             return refuse("a correlation matrix that is not symmetric".into());
         }
+        if correlation.diagonal().iter().any(|d| *d != 1.0) {
+            return refuse("a correlation matrix whose diagonal is not 1".into());
+        }
         let Some(root) = correlation.clone().cholesky().map(|c| c.unpack()) else {
             return refuse("a correlation matrix that is not positive definite".into());
         };

@@ -84,7 +84,13 @@ impl FourierMovementPrimitive {
         let prior = gaussian.prior_covariance();
         for i in 0..gaussian.dimension() {
             let deviation = prior.variance(i).sqrt();
-            let farthest = gaussian.prior_mean()[i].abs() + FARTHEST * deviation;
+            // A draw of a frequency beyond its limit is drawn at it, which does no harm.
+            let reach = if chart.frequency() == Some(i) {
+                0.0
+            } else {
+                FARTHEST
+            };
+            let farthest = gaussian.prior_mean()[i].abs() + reach * deviation;
             if !Interval::within(chart.limit(i)).contains(farthest) {
                 let place = chart
                     .coordinate(i)
@@ -96,7 +102,7 @@ impl FourierMovementPrimitive {
                         gaussian.prior_mean()[i],
                     ),
                 )
-                .help("check the units of the demonstrations, or leave out what does not belong to them")
+                .help("is it practically zero in some demonstrations and not in others? take fewer harmonics, leave out a joint that stands still, or check the units")
                 .at(place));
             }
         }
@@ -138,21 +144,6 @@ impl FourierMovementPrimitive {
     /// other observations, or, at rank M - 1, the demonstrations themselves.
     pub fn condition(&self, observations: &[Observation]) -> Result<Self> {
         let linear = self.linear(observations)?;
-        for (i, one) in linear.iter().enumerate() {
-            let twice = |other: &LinearObservation| {
-                other.row == one.row
-                    && other.value != one.value
-                    && other.deviation == 0.0
-                    && one.deviation == 0.0
-            };
-            if linear[..i].iter().any(twice) {
-                return Err(Error::new(
-                    ErrorKind::Infeasible,
-                    "given twice, with different values",
-                )
-                .at(format!("condition {}", observations[i])));
-            }
-        }
         let gaussian = self
             .gaussian
             .condition(&linear)
@@ -194,7 +185,7 @@ impl FourierMovementPrimitive {
         )
         .expected("a value that the other conditions and the demonstrations leave open")
         .help(format!(
-            "the model varies in {} directions, this quantity by a standard deviation of {:.3e} before: drop a condition, give it a standard deviation (`+-1deg`), or learn with another estimator or from more demonstrations",
+            "the model varies in at most {} directions, this quantity by a standard deviation of {:.3e} before: drop a condition, condition the model as it was before that was fixed, or learn with another estimator or from more demonstrations",
             self.gaussian.rank(),
             contradiction.prior_deviation
         ))
@@ -229,6 +220,20 @@ impl FourierMovementPrimitive {
     pub fn median(&self, coordinate: &Coordinate) -> Result<f64> {
         let row = self.chart.row(coordinate)?;
         self.chart.value(coordinate, self.gaussian.mean_of(&row))
+    }
+
+    /// The median of what an observation observes, in its unit; of a sum as it stands in the vector.
+    ///
+    /// # Errors
+    /// When a coordinate does not exist.
+    pub fn median_of(&self, observation: &Observation) -> Result<f64> {
+        match &observation.quantity {
+            Quantity::One(coordinate) => self.median(coordinate),
+            Quantity::Sum(terms) => terms
+                .iter()
+                .map(|(c, coordinate)| Ok(c * self.gaussian.mean_of(&self.chart.row(coordinate)?)))
+                .sum(),
+        }
     }
 
     /// Standard deviation of a coordinate as it stands in the vector: of the logarithm of a modulus or a ratio, of an angle \[rad\].

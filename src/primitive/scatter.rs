@@ -61,6 +61,11 @@ impl Scatter {
             .expected("at least two"));
         };
         let (joints, harmonics) = (first.wave.joints().clone(), first.wave.harmonics());
+        if harmonics == 0 {
+            return Err(
+                Error::new(ErrorKind::Shape, "waves without harmonics").expected("at least one")
+            );
+        }
         let reference = strongest_joint(examples);
         let centres = vec![0.0; joints.len() * harmonics];
         let shape = (first.wave.period(), harmonics);

@@ -23,7 +23,7 @@ pub enum Start {
 }
 
 impl Start {
-    /// The wave started there.
+    /// The wave started there; as it is, where the phase is no number.
     pub fn apply<R: Rng + ?Sized>(self, wave: &Wave, rng: &mut R) -> Wave {
         match self {
             Self::Kept => wave.clone(),
@@ -59,6 +59,9 @@ pub(super) fn aligned(examples: &[Example]) -> Result<Vec<Example>> {
     };
     let shape = |e: &Example| (e.wave.joints().len(), e.wave.harmonics());
     let (joints, harmonics) = shape(first);
+    if harmonics == 0 {
+        return Err(Error::new(ErrorKind::Shape, "waves without harmonics"));
+    }
     if examples.iter().any(|e| shape(e) != (joints, harmonics)) {
         return Err(Error::new(
             ErrorKind::Shape,

@@ -182,12 +182,22 @@ impl LogPolar {
         self.cycles().map(|_| self.starts().1 + self.joints.len())
     }
 
+    /// Where ln f is, of cycles.
+    pub(super) fn frequency(&self) -> Option<usize> {
+        self.tail().map(|tail| tail + self.joints.len())
+    }
+
     /// Entry i of a wave's vector lies within +- this.
     pub(super) fn limit(&self, i: usize) -> f64 {
         let (phases, offsets) = self.starts();
         let is_angle =
             |i: usize| i < offsets || self.offsets.get(i - offsets) == Some(&OffsetForm::Signed);
-        if i >= phases && is_angle(i) {
+        if self.frequency() == Some(i)
+            && let Some(cycles) = self.cycles()
+        {
+            // C/f is a period, and so is 1/f.
+            LONGEST_PERIOD - libm::log(cycles.count() as f64)
+        } else if i >= phases && is_angle(i) {
             LARGEST_ANGLE
         } else if self.tail().is_some() {
             // Its weights are products of two.
@@ -293,7 +303,7 @@ impl LogPolar {
             let period = self.period().unwrap_or(1.0);
             return Wave::new(self.joints.clone(), period, offsets, weights);
         };
-        let frequency = exp(x[tail + self.joints.len()].clamp(-LONGEST_PERIOD, LONGEST_PERIOD));
+        let frequency = exp(x[tail + self.joints.len()]);
         let shape = Wave::new(self.joints.clone(), 1.0, offsets.clone(), weights.clone())?;
         for (d, found) in cycles.swings(&shape).iter().enumerate() {
             let scale = exp(x[tail + d]) / found.max(f64::MIN_POSITIVE);

@@ -8,6 +8,9 @@ use crate::primitive::observation::{Coordinate, Harmonic, JitterOf};
 /// A frequency this far from a harmonic, in harmonics, is that harmonic.
 const NEAR: f64 = 0.25;
 
+/// Frequencies that people write have few digits, k/T has not.
+const ROUNDING: f64 = 1e-9;
+
 impl LogPolar {
     /// The number of a harmonic.
     ///
@@ -47,22 +50,21 @@ impl LogPolar {
                     );
                 }
                 let nearest = turns.round();
-                if (turns - nearest).abs() > NEAR {
+                if (turns - nearest).abs() > NEAR * (1.0 + ROUNDING) {
                     let below = turns.floor() as usize;
-                    return Err(Error::new(
-                        ErrorKind::Name,
-                        format!("{f} Hz lies between two harmonics"),
-                    )
-                    .expected(format!(
-                        "near {:.3} Hz (k = {below}) or {:.3} Hz (k = {})",
-                        hertz(below),
-                        hertz(below + 1),
-                        below + 1
-                    ))
-                    .help(format!(
-                        "with T = {period:.3} s there is one every {:.3} Hz",
-                        hertz(1)
-                    )));
+                    let neighbours: Vec<String> = [below, below + 1]
+                        .into_iter()
+                        .filter(|k| (1..=self.harmonics()).contains(k))
+                        .map(|k| format!("{:.3} Hz (k = {k})", hertz(k)))
+                        .collect();
+                    return Err(
+                        Error::new(ErrorKind::Name, format!("{f} Hz lies on no harmonic"))
+                            .expected(format!("near {}", neighbours.join(" or ")))
+                            .help(format!(
+                                "with T = {period:.3} s there is one every {:.3} Hz",
+                                hertz(1)
+                            )),
+                    );
                 }
                 within(nearest as usize)
             }

@@ -15,6 +15,7 @@ use super::covariance::Covariance;
 use super::gaussian::Gaussian;
 use super::scatter::{Scatter, UNIFORM};
 use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::Interval;
 
 /// Standard deviation that the logarithm of a level of jitter has on its own.
 const LIVELINESS: f64 = 0.1;
@@ -69,6 +70,12 @@ impl Estimator {
             Self::MaximumLikelihood => Covariance::of_factor(c),
             Self::Kronecker { weight } => {
                 let weight = weight.unwrap_or(1.0);
+                if weight <= 0.0 || !Interval::within(1.0).contains(weight) {
+                    return Err(
+                        Error::new(ErrorKind::Setting, format!("a weight of {weight}"))
+                            .expected("more than 0 and at most 1"),
+                    );
+                }
                 let scales = vec![weight.sqrt(); n];
                 let blocks = target::blocks(&scatter.chart, &scatter.directions, &scales)?;
                 Covariance::new(c * (1.0 - weight).sqrt(), blocks, zeros)

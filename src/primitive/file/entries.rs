@@ -6,7 +6,11 @@ use serde::{Deserialize, Serialize};
 use super::shape;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Joints};
+use crate::primitive::observation::SMALLEST_DEVIATION;
 use crate::primitive::{Kronecker, LinearObservation, OffsetForm, PhaseForm};
+
+/// Coefficients of a row are 1, or count harmonics.
+const MOST_HARMONICS: f64 = 1e6;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -155,9 +159,15 @@ impl BlockEntry {
 
 impl ObservationEntry {
     pub fn observation(self, n: usize) -> Result<LinearObservation> {
-        let within = self.row.iter().all(|(i, c)| *i < n && c.is_finite());
-        let numbers = self.value.is_finite() && self.deviation.is_finite();
-        if self.row.is_empty() || !within || !numbers || self.deviation < 0.0 {
+        let coefficients = Interval::within(MOST_HARMONICS);
+        let within = |(i, c): &(usize, f64)| *i < n && coefficients.contains(*c);
+        let size = self
+            .row
+            .iter()
+            .fold(0.0, |size: f64, (_, c)| size.max(c.abs()));
+        let is_row = size >= 1.0 && self.row.iter().all(within);
+        let deviation = self.deviation == 0.0 || self.deviation >= SMALLEST_DEVIATION;
+        if !is_row || !self.value.is_finite() || !self.deviation.is_finite() || !deviation {
             return Err(Error::new(
                 ErrorKind::Value,
                 "an observation that is none of these coordinates",

@@ -232,7 +232,7 @@ impl Gaussian {
         self.at_latent(&mut z)
     }
 
-    /// Standard deviation of coordinate `i`.
+    /// Standard deviation of coordinate `i`; panics when there is none, as slices do.
     pub fn standard_deviation(&self, i: usize) -> f64 {
         self.deviation_of(&[(i, 1.0)])
     }

@@ -127,6 +127,15 @@ impl Gaussian {
                 Err(self.mean_of(&observation.row))
             };
         }
+        // A wish about what does not vary any more cannot be met, and would pass for met.
+        let varies = dot(&latent, &latent).sqrt() > (DEPENDENT * prior).max(NO_VARIANCE);
+        if !exact && !varies {
+            return if residual.abs() <= CONSISTENT * prior.max(1.0) {
+                Ok(false)
+            } else {
+                Err(self.mean_of(&observation.row))
+            };
+        }
         latent.iter_mut().chain(&mut noise).for_each(|q| *q /= left);
         let mut gain = vec![0.0; self.dimension()];
         self.covariance.apply(&latent, &mut gain);

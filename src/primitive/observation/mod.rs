@@ -145,6 +145,15 @@ impl Observation {
                 (row, self.value, self.deviation)
             }
         };
+        // Thresholds of rank and consistency are meant for rows of about unit size.
+        let size = row.iter().fold(0.0, |size: f64, (_, c)| size.max(c.abs()));
+        let scale = if matches!(self.quantity, Quantity::Sum(_)) {
+            size
+        } else {
+            1.0
+        };
+        let row = row.into_iter().map(|(i, c)| (i, c / scale)).collect();
+        let (value, deviation) = (value / scale, deviation / scale);
         if !Interval::within(LARGEST_VALUE).contains(value) {
             return refuse(
                 format!("value is {}", self.value),
@@ -169,7 +178,7 @@ impl Observation {
 const LARGEST_VALUE: f64 = 200.0;
 
 /// Below this a standard deviation is no different from none.
-const SMALLEST_DEVIATION: f64 = 1e-9;
+pub(super) const SMALLEST_DEVIATION: f64 = 1e-9;
 
 impl fmt::Display for Observation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -23,13 +23,18 @@ impl WeightGradient {
         }
     }
 
+    pub(super) fn is_of(&self, chart: &LogPolar) -> bool {
+        let shape = (chart.joints().len(), chart.harmonics());
+        self.weights.shape() == shape && self.offsets.len() == shape.0
+    }
+
     pub(super) fn clear(&mut self) {
         self.offsets.fill(0.0);
         self.weights.fill(Complex::ZERO);
     }
 
     /// Adds `slope` times the gradient of the position of `joint` at time `t` \[s\]:
-    /// dy/dw_0 = 1, dy/dRe w_k = 2 cos(k w t), dy/dIm w_k = -2 sin(k w t).
+    /// dy/dw_0 = 1, dy/dRe w_k = 2 cos(k w t), dy/dIm w_k = -2 sin(k w t). Panics when there is no such joint, as slices do.
     pub fn add_position(&mut self, wave: &Wave, joint: usize, t: f64, slope: f64) {
         self.offsets[joint] += slope;
         let turns = t / wave.period();

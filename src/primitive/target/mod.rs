@@ -89,6 +89,18 @@ impl Target {
         joints.index(joint).map_err(place)
     }
 
+    /// Whether a wave has a harmonic in the band.
+    fn check_band(&self, wave: &Wave) -> Result<()> {
+        match self {
+            Self::Band(band) if band.harmonics(wave).is_empty() => Err(Error::new(
+                ErrorKind::Name,
+                format!("no harmonic from {} to {} Hz", band.low, band.high),
+            )
+            .at(format!("target `{self}`"))),
+            _ => Ok(()),
+        }
+    }
+
     /// What is aimed at, of a wave \[rad\].
     ///
     /// # Errors
@@ -105,7 +117,8 @@ impl Target {
         }
     }
 
-    fn aim(&self) -> (f64, f64) {
+    /// The value, and its standard deviation \[rad\].
+    pub fn aim(&self) -> (f64, f64) {
         match self {
             Self::ViaPoint(p) => (p.position, p.deviation),
             Self::Band(b) => (b.amplitude, b.deviation),

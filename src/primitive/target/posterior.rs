@@ -51,6 +51,18 @@ impl FourierMovementPrimitive {
             .iter()
             .map(|target| target.joint(self.chart().joints()))
             .collect::<Result<_>>()?;
+        if let Some(period) = self.chart().period() {
+            let blank = self.mean_wave();
+            for target in targets {
+                target.check_band(&blank).map_err(|e| {
+                    let highest = self.chart().harmonics() as f64 / period;
+                    e.expected(format!(
+                        "a band within {:.3} to {highest:.3} Hz",
+                        1.0 / period
+                    ))
+                })?;
+            }
+        }
         let mut posterior = if let Some(collapsed) = Collapsed::of(self, targets)
             && targets.len() <= FEW_VIA_POINTS
         {
@@ -147,6 +159,11 @@ impl FourierMovementPrimitive {
             let wave = self.wave_at(&mut spare);
             slope.clear();
             let value = log_likelihood(&wave, &mut slope);
+            if !slope.is_of(chart) {
+                // A gradient of other waves: told as the number that it is not.
+                slope = WeightGradient::zeros(chart.joints().len(), chart.harmonics());
+                return f64::NAN;
+            }
             gradient.copy_from_slice(&slope.latent(self, &wave));
             value
         });
@@ -225,16 +242,48 @@ impl Posterior {
         Diagnostics::of(&self.series(statistic))
     }
 
-    /// The worst of the log-likelihood and of what the targets aim at. Draws that have not mixed say so ([`Diagnostics::mixed`]).
+    /// The worst of the log-likelihood, of what the targets aim at, and of the size (logarithm of the energy) and the offset of every joint; what is the same in all
+    /// draws has nothing to show. Draws that have not mixed say so ([`Diagnostics::mixed`]).
     ///
     /// # Errors
     /// When there are too few draws.
     pub fn diagnostics(&self) -> Result<Diagnostics> {
-        let mut worst = Diagnostics::of(&self.log_likelihoods)?;
+        let mut seen: Vec<Vec<Vec<f64>>> = Vec::new();
+        for draws in &self.latent {
+            let waves = draws.iter().map(|z| self.primitive.wave_at(&mut z.clone()));
+            seen.push(waves.map(|wave| sizes_and_offsets(&wave)).collect());
+        }
+        let statistics = seen[0][0].len();
+        let series = |s: usize| -> Vec<Vec<f64>> {
+            let of = |draws: &Vec<Vec<f64>>| draws.iter().map(|x| x[s]).collect();
+            seen.iter().map(of).collect()
+        };
+        let mut worst = Diagnostics::of(&series(0))?;
+        for s in 1..statistics {
+            worst = judged(worst, &series(s))?;
+        }
+        worst = judged(worst, &self.log_likelihoods)?;
         for target in &self.targets {
             let joint = target.joint(self.primitive.chart().joints())?;
-            worst = worst.worse(&self.diagnose(|wave| target.value(wave, joint))?);
+            worst = judged(worst, &self.series(|wave| target.value(wave, joint)))?;
         }
         Ok(worst)
     }
+}
+
+/// ln sum |w_k|^2 and w_0 of each joint.
+fn sizes_and_offsets(wave: &Wave) -> Vec<f64> {
+    let energies = wave.weights().row_iter().map(|row| row.norm_squared());
+    let sizes = energies.map(|e| e.max(f64::MIN_POSITIVE).ln());
+    sizes.chain(wave.offsets().iter().copied()).collect()
+}
+
+/// The worse of both, unless the series never changes.
+fn judged(worst: Diagnostics, series: &[Vec<f64>]) -> Result<Diagnostics> {
+    let mut values = series.iter().flatten();
+    let first = values.next();
+    if values.all(|v| Some(v) == first) {
+        return Ok(worst);
+    }
+    Ok(worst.worse(&Diagnostics::of(series)?))
 }
