@@ -13,16 +13,16 @@ pub(super) struct Wishes {
     /// or of cycles frequency=2.5Hz, swing:elbow=10deg, jitter:amplitude=5%; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     given: Vec<Observation>,
-    /// So many times as fast, such as 1.2x: the frequency, or with a common period the strongest harmonic of the strongest joint.
+    /// So many times as fast, such as 1.2x: the frequency.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     tempo: Option<f64>,
-    /// So many times as large: the swing of every joint, or with a common period the largest modulus of every joint.
+    /// So many times as large: the swing of every joint (this and the other knobs: models of cycles).
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     size: Option<f64>,
-    /// More of a joint: one standard deviation above its median amplitude; may be given several times.
+    /// More of a joint: one standard deviation above its median swing, on top of --size; may be given several times.
     #[arg(long, value_name = "JOINT")]
     more: Vec<String>,
-    /// So many times as much variation from cycle to cycle (models of cycles).
+    /// So many times as much variation from cycle to cycle.
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     livelier: Option<f64>,
 }
