@@ -160,6 +160,18 @@ impl Wave {
         self.state(t).position
     }
 
+    /// Position of joint number `joint` at time `t` \[s\]: that of [`position`](Self::position), at the cost of one joint.
+    pub(crate) fn position_of(&self, joint: usize, t: f64) -> f64 {
+        let step = self.rotation(t);
+        let mut rotation = step;
+        let mut position = self.offsets[joint];
+        for weight in self.weights.row(joint).iter() {
+            position += (weight * rotation * 2.0).re;
+            rotation *= step;
+        }
+        position
+    }
+
     /// Position to jerk at time `t` \[s\].
     pub fn state(&self, t: f64) -> State {
         let mut state = State::zeros(self.joints.len());

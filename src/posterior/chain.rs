@@ -78,7 +78,7 @@ pub struct Effort {
     pub transitions: u64,
     /// Evaluations of the log-likelihood, with its gradient where the sampler uses one.
     pub evaluations: u64,
-    /// Sum of the transitions' acceptance probabilities.
+    /// Sum of the transitions' acceptance probabilities; of Hamiltonian ones, those of their first trajectories.
     pub acceptance_sum: f64,
     /// Trajectories that lost the energy: where they do so often, the draws avoid a region that the target does not.
     pub divergent: u64,

@@ -19,6 +19,9 @@ const DIVERGENT: f64 = 1000.0;
 /// likelihoods tend to overflow.
 const REACH: f64 = 100.0;
 
+/// How much smaller steps are after a rejection.
+const FINER: f64 = 4.0;
+
 /// Shares of the warm-up after which the reference is learned anew, from the draws since the one before; up to the
 /// first the chain travels from its start. What is left belongs to the step size.
 const LEARNED_AFTER: [f64; 4] = [0.1, 0.2, 0.4, 0.85];
@@ -81,6 +84,14 @@ struct Window {
 /// likelihood is; so in warm-up the prior is replaced, as the Gaussian that is followed exactly, by one that is as narrow
 /// as the posterior in the few directions that the observations hold (the target stays what it is; see `reference.rs`).
 /// The step size is found by dual averaging (Hoffman and Gelman 2014), the length of trajectories varies.
+///
+/// No one step size suits where large amplitudes make an observation steep: chains would stick there. So a rejected trajectory is followed by one
+/// of the same momentum in finer steps, accepted with the probability that leaves the target as it is (Modi, Barnett and Carpenter,
+/// "Delayed rejection Hamiltonian Monte Carlo for sampling multiscale distributions", Bayesian Analysis 19, 2024):
+///
+/// ```text
+/// min(1, e^(H - H'') (1 - a(x'', -p'')) / (1 - a(x, p))),   a = min(1, e^(H - H')) for the first trajectory from a place
+/// ```
 #[derive(Debug, Clone)]
 pub struct Hamiltonian<F> {
     log_likelihood: F,
@@ -92,6 +103,9 @@ pub struct Hamiltonian<F> {
     at: Place,
     tried: Place,
     momentum: Vec<f64>,
+    /// The momentum of a transition, and where its second trajectory led.
+    first_momentum: Vec<f64>,
+    second: Place,
     slope: Vec<f64>,
     /// Of the last trajectory, as far as it was possible.
     followed: f64,
@@ -117,8 +131,10 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Hamiltonian<F> {
             options,
             window: Window::default(),
             at: place.clone(),
-            tried: place,
+            tried: place.clone(),
             momentum: vec![0.0; dimension],
+            first_momentum: vec![0.0; dimension],
+            second: place,
             slope: vec![0.0; dimension],
             followed: f64::INFINITY,
             effort: Effort::default(),
@@ -233,6 +249,29 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Hamiltonian<F> {
         })
     }
 
+    /// After a trajectory that was rejected, one in finer steps; whether it is accepted.
+    fn delayed<R: Rng + ?Sized>(
+        &mut self,
+        rng: &mut R,
+        (step, count): (f64, usize),
+        rejected: &Outcome,
+    ) -> Result<bool> {
+        let threshold = libm::log(uniform(rng));
+        self.tried.copy_from(&self.at);
+        self.momentum.copy_from_slice(&self.first_momentum);
+        let outcome = self.trajectory(step / FINER, count)?;
+        let most = -outcome.gain - libm::log(-libm::expm1(-rejected.gain));
+        if outcome.gain == f64::INFINITY || threshold > most {
+            return Ok(false);
+        }
+        // The way back is as likely if from there, too, the first trajectory is rejected.
+        self.momentum.iter_mut().for_each(|p| *p = -*p);
+        self.second.copy_from(&self.tried);
+        let back = self.trajectory(step, count)?;
+        std::mem::swap(&mut self.second, &mut self.tried);
+        Ok(threshold <= most + libm::log(1.0 - acceptance(back.gain)))
+    }
+
     fn learn_reference(&mut self) {
         let Window { draws, gradients } = std::mem::take(&mut self.window);
         self.reference = Reference::learn(&draws, &gradients, self.options.directions);
@@ -295,13 +334,14 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Transition for Hamiltonian<F> {
             (self.step, self.options.most_steps)
         };
         let threshold = libm::log(uniform(rng));
+        self.first_momentum.copy_from_slice(&self.momentum);
         self.tried.copy_from(&self.at);
         let outcome = self.trajectory(step, count)?;
         self.followed = outcome.followed;
         self.effort.transitions += 1;
         self.effort.acceptance_sum += acceptance(outcome.gain);
         self.effort.divergent += u64::from(outcome.lost);
-        if threshold <= -outcome.gain {
+        if threshold <= -outcome.gain || self.delayed(rng, (step, count), &outcome)? {
             std::mem::swap(&mut self.at, &mut self.tried);
         }
         Ok(())

@@ -2,11 +2,18 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::{Posterior, Target, ViaPoint};
+use super::{Posterior, Target, ViaPoint, WeightGradient};
 use crate::error::Result;
+use crate::fourier::Wave;
 use crate::normal;
-use crate::posterior::{EllipticalSlice, Schedule, run};
+use crate::posterior::{EllipticalSlice, Hamiltonian, Schedule, Transition, run};
 use crate::primitive::{FourierMovementPrimitive, OffsetForm, stream};
+
+/// Up to so many points slices are the faster transition.
+const FEW: usize = 3;
+
+/// Slices for each transition of a schedule: one is cheap, and moves about a quarter as far as a trajectory.
+const SLICES: usize = 4;
 
 /// Chain c draws the offsets from stream 2^32 + c: no chain has so large a number.
 const OFFSET_STREAMS: u64 = 1 << 32;
@@ -96,18 +103,19 @@ impl<'a> Collapsed<'a> {
         })
     }
 
-    /// v - y_0.
-    fn residual(&self, z: &mut [f64]) -> DVector<f64> {
+    /// The wave of `z` without what offsets do alone, and v - y_0.
+    fn residual(&self, z: &mut [f64]) -> (Wave, DVector<f64>) {
         z[self.own.clone()].fill(0.0);
         let wave = self.primitive.wave_at(z);
-        DVector::from_fn(self.points.len(), |i, _| {
+        let residual = DVector::from_fn(self.points.len(), |i, _| {
             let d = self.joints[i];
             let mut position = wave.offsets()[d];
             for (weight, (cos, sin)) in wave.weights().row(d).iter().zip(&self.rows[i]) {
                 position += weight.re * cos + weight.im * sin;
             }
             self.points[i].position - position
-        })
+        });
+        (wave, residual)
     }
 
     fn log_likelihood(&self, mut residual: DVector<f64>) -> f64 {
@@ -117,17 +125,62 @@ impl<'a> Collapsed<'a> {
         -0.5 * residual.norm_squared()
     }
 
+    /// Adds the gradient of the log-likelihood: C^-1 (v - y_0) is that over positions.
+    fn add_gradient(&self, residual: &DVector<f64>, gradient: &mut WeightGradient) {
+        let slopes = self.cholesky.solve(residual);
+        for ((slope, d), row) in slopes.iter().zip(&self.joints).zip(&self.rows) {
+            gradient.offsets[*d] += slope;
+            for (weight, (cos, sin)) in gradient.weights.row_mut(*d).iter_mut().zip(row) {
+                weight.re += slope * cos;
+                weight.im += slope * sin;
+            }
+        }
+    }
+
     /// Chains over all other numbers, completed by offsets.
     pub fn posterior(&self, schedule: &Schedule, seed: u64) -> Result<Posterior> {
         let n = self.primitive.latent();
         let others: Vec<usize> = (0..n).filter(|i| !self.own.contains(i)).collect();
         let mut z = vec![0.0; n];
-        let mut transition = EllipticalSlice::new(others.len(), |short: &DVector<f64>| {
-            for (i, value) in others.iter().zip(short.iter()) {
+        let mut spread = |short: &[f64]| -> (Wave, DVector<f64>) {
+            for (i, value) in others.iter().zip(short) {
                 z[*i] = *value;
             }
-            self.log_likelihood(self.residual(&mut z))
+            self.residual(&mut z)
+        };
+        if self.points.len() <= FEW {
+            let transition = EllipticalSlice::new(others.len(), |short: &DVector<f64>| {
+                self.log_likelihood(spread(short.as_slice()).1)
+            });
+            let schedule = Schedule {
+                thinning: schedule.thinning.saturating_mul(SLICES),
+                ..schedule.clone()
+            };
+            return self.completed(transition, &others, &schedule, seed);
+        }
+        let chart = self.primitive.chart();
+        let mut slope = WeightGradient::zeros(chart.joints().len(), chart.harmonics());
+        let transition = Hamiltonian::new(others.len(), |short: &[f64], gradient: &mut [f64]| {
+            let (wave, residual) = spread(short);
+            slope.clear();
+            self.add_gradient(&residual, &mut slope);
+            let whole = slope.latent(self.primitive, &wave);
+            for (g, i) in gradient.iter_mut().zip(&others) {
+                *g = whole[*i];
+            }
+            self.log_likelihood(residual)
         });
+        self.completed(transition, &others, schedule, seed)
+    }
+
+    fn completed(
+        &self,
+        mut transition: impl Transition,
+        others: &[usize],
+        schedule: &Schedule,
+        seed: u64,
+    ) -> Result<Posterior> {
+        let n = self.primitive.latent();
         let draws = run(&mut transition, schedule, |chain| stream(seed, chain))?;
         let mut latent = Vec::new();
         let mut log_likelihoods = Vec::new();
@@ -138,7 +191,7 @@ impl<'a> Collapsed<'a> {
                 for (i, value) in others.iter().zip(short.iter()) {
                     z[*i] = *value;
                 }
-                let residual = self.residual(&mut z.clone());
+                let (_, residual) = self.residual(&mut z.clone());
                 let mut normals = vec![0.0; self.own.len() + self.points.len()];
                 normal::fill(&mut rng, &mut normals);
                 let noise = normals.split_off(self.own.len());

@@ -59,8 +59,9 @@ impl WeightGradient {
                 let i = d * harmonics + k;
                 g[i] = s.re * w.re + s.im * w.im;
                 let turned = s.im * w.re - s.re * w.im;
-                for (entry, times) in chart.phases().row(d, k) {
-                    g[phases + entry] += times * turned;
+                g[phases + i] += turned;
+                if let Some((anchor, times)) = chart.phases().anchor(d, k) {
+                    g[phases + anchor] += times * turned;
                 }
             }
             g[offsets + d] = match chart.offset_forms()[d] {

@@ -112,7 +112,7 @@ impl Target {
 
     fn value(&self, wave: &Wave, joint: usize) -> f64 {
         match self {
-            Self::ViaPoint(point) => wave.position(point.time)[joint],
+            Self::ViaPoint(point) => wave.position_of(joint, point.time),
             Self::Band(band) => band.measure(wave, joint),
         }
     }

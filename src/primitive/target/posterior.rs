@@ -9,9 +9,6 @@ use crate::fourier::Wave;
 use crate::posterior::{Diagnostics, EllipticalSlice, Hamiltonian, Schedule, Transition, run};
 use crate::primitive::{FourierMovementPrimitive, stream};
 
-/// Up to so many via-points slice sampling with the offsets integrated out is the fastest.
-const FEW_VIA_POINTS: usize = 3;
-
 /// Draws of a primitive given a likelihood of the wave, by chains that each started on its own.
 ///
 /// What a draw is used for is what to [`diagnose`](Self::diagnose); the log-likelihood alone is in [`diagnostics`](Self::diagnostics).
@@ -26,8 +23,8 @@ pub struct Posterior {
 }
 
 impl FourierMovementPrimitive {
-    /// Waves that meet `targets`, draws from the primitive given them: by slice sampling with the offsets integrated out for a few via-points,
-    /// by Hamiltonian Monte Carlo else, and by slice sampling where each wave has its own frequency.
+    /// Waves that meet `targets`, draws from the primitive given them: by slice sampling for a few via-points, by Hamiltonian Monte Carlo else, and
+    /// by slice sampling where each wave has its own frequency. Given via-points alone, offsets are integrated out.
     ///
     /// ```
     /// use undulate::posterior::Schedule;
@@ -63,9 +60,7 @@ impl FourierMovementPrimitive {
                 })?;
             }
         }
-        let mut posterior = if let Some(collapsed) = Collapsed::of(self, targets)
-            && targets.len() <= FEW_VIA_POINTS
-        {
+        let mut posterior = if let Some(collapsed) = Collapsed::of(self, targets) {
             collapsed.posterior(schedule, seed)?
         } else if self.chart().cycles().is_some() {
             let log_likelihood = |wave: &Wave| {
