@@ -53,7 +53,8 @@ pub enum Coordinate {
     Swing { joint: String },
     /// Cycles a second, mean over a wave \[Hz\].
     Frequency,
-    /// How lively a wave is: standard deviation of ln amplitude or ln tempo from cycle to cycle (0.05 is 5 %).
+    /// How lively a wave is: standard deviation of ln amplitude or ln tempo from cycle to cycle (0.05 is 5 %), in the long run; a wave of few
+    /// cycles, each like the one before, shows less.
     Jitter(JitterOf),
     /// |w_{d,h}| over the joint's swing.
     Shape { joint: String, harmonic: Harmonic },
