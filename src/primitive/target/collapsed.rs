@@ -125,9 +125,11 @@ impl<'a> Collapsed<'a> {
         -0.5 * residual.norm_squared()
     }
 
-    /// Adds the gradient of the log-likelihood: C^-1 (v - y_0) is that over positions.
-    fn add_gradient(&self, residual: &DVector<f64>, gradient: &mut WeightGradient) {
-        let slopes = self.cholesky.solve(residual);
+    /// The log-likelihood and its gradient over the latent numbers, of which offsets' own have none: C^-1 (v - y_0) is that over positions.
+    pub fn with_gradient(&self, z: &mut [f64]) -> (f64, Vec<f64>) {
+        let (wave, residual) = self.residual(z);
+        let mut gradient = WeightGradient::zeros(wave.joints().len(), wave.harmonics());
+        let slopes = self.cholesky.solve(&residual);
         for ((slope, d), row) in slopes.iter().zip(&self.joints).zip(&self.rows) {
             gradient.offsets[*d] += slope;
             for (weight, (cos, sin)) in gradient.weights.row_mut(*d).iter_mut().zip(row) {
@@ -135,6 +137,9 @@ impl<'a> Collapsed<'a> {
                 weight.im += slope * sin;
             }
         }
+        let mut gradient = gradient.latent(self.primitive, &wave);
+        gradient[self.own.clone()].fill(0.0);
+        (self.log_likelihood(residual), gradient)
     }
 
     /// Chains over all other numbers, completed by offsets.
@@ -142,15 +147,15 @@ impl<'a> Collapsed<'a> {
         let n = self.primitive.latent();
         let others: Vec<usize> = (0..n).filter(|i| !self.own.contains(i)).collect();
         let mut z = vec![0.0; n];
-        let mut spread = |short: &[f64]| -> (Wave, DVector<f64>) {
+        let spread = |short: &[f64], z: &mut [f64]| {
             for (i, value) in others.iter().zip(short) {
                 z[*i] = *value;
             }
-            self.residual(&mut z)
         };
         if self.points.len() <= FEW {
             let transition = EllipticalSlice::new(others.len(), |short: &DVector<f64>| {
-                self.log_likelihood(spread(short.as_slice()).1)
+                spread(short.as_slice(), &mut z);
+                self.log_likelihood(self.residual(&mut z).1)
             });
             let schedule = Schedule {
                 thinning: schedule.thinning.saturating_mul(SLICES),
@@ -158,17 +163,13 @@ impl<'a> Collapsed<'a> {
             };
             return self.completed(transition, &others, &schedule, seed);
         }
-        let chart = self.primitive.chart();
-        let mut slope = WeightGradient::zeros(chart.joints().len(), chart.harmonics());
         let transition = Hamiltonian::new(others.len(), |short: &[f64], gradient: &mut [f64]| {
-            let (wave, residual) = spread(short);
-            slope.clear();
-            self.add_gradient(&residual, &mut slope);
-            let whole = slope.latent(self.primitive, &wave);
+            spread(short, &mut z);
+            let (value, whole) = self.with_gradient(&mut z);
             for (g, i) in gradient.iter_mut().zip(&others) {
                 *g = whole[*i];
             }
-            self.log_likelihood(residual)
+            value
         });
         self.completed(transition, &others, schedule, seed)
     }

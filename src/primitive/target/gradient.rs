@@ -78,3 +78,90 @@ impl WeightGradient {
         primitive.gaussian().latent_gradient(&charted)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demonstration::synthetic;
+    use crate::normal;
+    use crate::primitive::target::Target;
+    use crate::primitive::target::collapsed::Collapsed;
+    use crate::primitive::{LearnOptions, Observation, Offsets, stream};
+
+    const HARMONICS: usize = 14;
+
+    /// Relative phases, logarithmic offsets where there are, conditions of both kinds.
+    fn conditioned(offsets: Offsets) -> FourierMovementPrimitive {
+        let options = LearnOptions {
+            offsets,
+            ..LearnOptions::default()
+        };
+        let learned =
+            FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), HARMONICS, &options);
+        let asked = [
+            Observation::modulus("elbow_flexion", 10, 0.08),
+            Observation::phase("wrist_deviation", 10, 0.4).within(0.3),
+        ];
+        learned.unwrap().condition(&asked).unwrap()
+    }
+
+    fn targets(texts: &[&str]) -> Vec<Target> {
+        texts.iter().map(|text| text.parse().unwrap()).collect()
+    }
+
+    /// Of a function of latent numbers and its gradient: the largest difference from central differences, relative to the largest entry.
+    fn error(n: usize, mut of: impl FnMut(&[f64]) -> (f64, Vec<f64>)) -> f64 {
+        let mut z = vec![0.0; n];
+        normal::fill(&mut stream(4, 0), &mut z);
+        let gradient = of(&z).1;
+        let mut worst = 0.0_f64;
+        for i in 0..n {
+            let at = z[i];
+            z[i] = at + 1e-5;
+            let above = of(&z).0;
+            z[i] = at - 1e-5;
+            let below = of(&z).0;
+            z[i] = at;
+            worst = worst.max(((above - below) / 2e-5 - gradient[i]).abs());
+        }
+        worst / gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()))
+    }
+
+    #[test]
+    fn gradients_of_targets_are_their_slopes_in_the_latent_numbers() {
+        let targets = targets(&[
+            "elbow_flexion@1.2s=120deg+-2deg",
+            "wrist_deviation@-3.3s=5deg+-3deg",
+            "shoulder_abduction:1.2Hz..1.8Hz=4deg+-1deg",
+        ]);
+        for offsets in [Offsets::Signed, Offsets::ByData] {
+            let primitive = conditioned(offsets);
+            let joints = primitive.chart().joints();
+            let of = |z: &[f64]| {
+                let wave = primitive.wave_at(&mut z.to_vec());
+                let mut gradient = WeightGradient::zeros(joints.len(), HARMONICS);
+                let each = targets.iter().map(|target| {
+                    let joint = target.joint(joints).unwrap();
+                    target.with_gradient(&wave, joint, &mut gradient)
+                });
+                (each.sum(), gradient.latent(&primitive, &wave))
+            };
+            let error = error(primitive.latent(), of);
+            assert!(error < 1e-7, "{offsets:?}: {error:e}");
+        }
+    }
+
+    #[test]
+    fn so_they_are_without_offsets() {
+        let primitive = conditioned(Offsets::Signed);
+        let targets = targets(&[
+            "elbow_flexion@1.2s=120deg+-2deg",
+            "elbow_flexion@1.5s=110deg+-2deg",
+            "wrist_deviation@-3.3s=5deg+-3deg",
+        ]);
+        let collapsed = Collapsed::of(&primitive, &targets).unwrap();
+        let of = |z: &[f64]| collapsed.with_gradient(&mut z.to_vec());
+        let error = error(primitive.latent(), of);
+        assert!(error < 1e-7, "{error:e}");
+    }
+}
