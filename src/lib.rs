@@ -124,6 +124,7 @@ mod simulation;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod units;
+mod vectors;
 
 pub use {nalgebra, num_complex, rand};
 

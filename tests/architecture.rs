@@ -8,7 +8,7 @@ use proc_macro2::{TokenStream, TokenTree};
 
 /// Modules by rank; a module may use those of lower ranks, and itself.
 const RANKS: [&[&str]; 9] = [
-    &["elementary", "error"],
+    &["elementary", "error", "vectors"],
     &["document", "normal", "units"],
     &["fourier", "geometry", "posterior"],
     &["demonstration", "robot"],

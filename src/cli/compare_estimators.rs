@@ -9,7 +9,7 @@ use super::{Outcome, output};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::primitive::{
-    Coordinate, Estimator, Example, FourierMovementPrimitive, HeldOut, LearnOptions, Observation,
+    Coordinate, Estimator, FourierMovementPrimitive, HeldOut, LearnOptions, Observation,
 };
 
 /// Compare the estimators of the covariance on recordings: how probable they make a left-out demonstration, and what they do to the coupling of two joints.
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         );
     }
     let options = arguments.assumptions.options();
-    let examples: Vec<Example> = waves.iter().map(Example::from).collect();
+    let examples = options.examples(&waves)?;
     let form = options.form(&examples)?;
     let (first, second) = joints(arguments, &waves)?;
     let k = arguments

@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let lengths: Vec<f64> = fits.fits().iter().map(|fit| fit.cycles).collect();
     let count = lengths.iter().copied().fold(1.0, f64::max).ceil() as usize;
     let cycle = FourierMovementPrimitive::from_cycles(&fits, count, &options)?;
-    let demonstrations = arguments.recordings.demonstrations()?;
+    let demonstrations = arguments.recordings.cut(&recordings)?;
     let common =
         FourierMovementPrimitive::learn_with(&demonstrations, arguments.harmonics, &options)?;
     let steady = FourierMovementPrimitive::from_cycles(&fits.steady(), count, &options)?;

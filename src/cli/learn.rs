@@ -12,7 +12,7 @@ use super::{Outcome, output};
 use crate::demonstration::Recording;
 use crate::error::Result;
 use crate::fourier::Wave;
-use crate::primitive::{Example, FourierMovementPrimitive, LearnOptions, Offsets};
+use crate::primitive::{FourierMovementPrimitive, LearnOptions, Offsets};
 
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
 const MUCH_LEAKAGE: f64 = 0.05;
@@ -77,8 +77,8 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let demonstrations = arguments.recordings.demonstrations()?;
     let harmonics = arguments.harmonics.unwrap_or(HARMONICS);
     let waves = demonstrations.fit(harmonics)?;
-    let examples: Vec<Example> = waves.iter().map(Example::from).collect();
     let options = arguments.assumptions.options();
+    let examples = options.examples(&waves)?;
     let form = options.form(&examples)?;
     let estimator = options.estimator.chosen(&examples, &form)?;
     let options = LearnOptions {
@@ -196,7 +196,8 @@ pub(super) fn warn_of_units(recordings: &[Recording]) {
 /// One demonstration given several times teaches no variation.
 pub(super) fn warn_of_sameness(primitive: &FourierMovementPrimitive) {
     let angles = 2 * primitive.chart().joints().len() * primitive.chart().harmonics();
-    let still = (0..angles).all(|i| primitive.gaussian().standard_deviation(i) < IDENTICAL);
+    let prior = primitive.gaussian().prior_covariance();
+    let still = (0..angles).all(|i| prior.variance(i).sqrt() < IDENTICAL);
     if still {
         output::warn("the demonstrations are all the same: every draw will be the same wave");
     }

@@ -40,11 +40,16 @@ pub(super) struct Recordings {
 impl Recordings {
     /// Cut to a common period.
     pub fn demonstrations(&self) -> Result<Demonstrations> {
-        match self.duration {
-            None if self.is_synthetic()? => synthetic(self.seed),
-            None => Demonstrations::new(self.read()?, Duration::Auto),
-            Some(seconds) => Demonstrations::new(self.uncut()?, Duration::Seconds(seconds)),
+        self.cut(&self.uncut()?)
+    }
+
+    /// Those that were read, cut to a common period.
+    pub fn cut(&self, recordings: &[Recording]) -> Result<Demonstrations> {
+        if self.is_synthetic()? {
+            return synthetic(self.seed);
         }
+        let duration = self.duration.map_or(Duration::Auto, Duration::Seconds);
+        Demonstrations::new(recordings.to_vec(), duration)
     }
 
     pub fn has_duration(&self) -> bool {

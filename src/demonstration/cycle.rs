@@ -5,10 +5,7 @@ use super::mean_cycle::MeanCycle;
 use super::recording::Recording;
 use super::{LeftOut, level};
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Autoregression, Joints, Wave};
-
-/// No arm's cycle has more, and the search for its frequency takes time with their cube.
-const MOST_HARMONICS: usize = 50;
+use crate::fourier::{Autoregression, Joints, MOST_CYCLE_HARMONICS, Wave};
 
 /// One recording as a mean cycle that is repeated with variations of amplitude and tempo.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,12 +57,12 @@ impl CycleFits {
     /// When there are no recordings, their joints differ, the harmonics are none or beyond 50, or no recording can be
     /// used. One that cannot (less than three cycles, no rhythm, too few samples) is left out, by name.
     pub fn new(recordings: &[Recording], harmonics: usize) -> Result<Self> {
-        if !(1..=MOST_HARMONICS).contains(&harmonics) {
+        if !(1..=MOST_CYCLE_HARMONICS).contains(&harmonics) {
             return Err(Error::new(
                 ErrorKind::Setting,
                 format!("{harmonics} harmonics of a cycle"),
             )
-            .expected(format!("from 1 to {MOST_HARMONICS}")));
+            .expected(format!("from 1 to {MOST_CYCLE_HARMONICS}")));
         }
         let joints = super::common_joints(recordings)?;
         let mut seen = Vec::new();

@@ -18,6 +18,7 @@ const LEAST_EXPLAINED: f64 = 0.4;
 /// Its frequency is looked for in the first minute \[s\]: later a rhythm is out of step with its start, and its phase,
 /// which is followed to the end, says what the frequency is.
 const LONGEST: f64 = 60.0;
+
 /// A fit whose levels are not known yet, with what they follow from.
 pub(super) struct MeanCycle {
     pub fit: CycleFit,

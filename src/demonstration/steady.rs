@@ -4,9 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, QR};
 use num_complex::Complex;
 
 use crate::error::{Error, ErrorKind, Result};
-
-/// Beyond this condition number of the design matrix a fit is refused, as by `FourierBasis`.
-const WORST_CONDITION: f64 = 1e6;
+use crate::fourier::WORST_CONDITION;
 
 /// The fit y_d(t) = offset_d + slope_d (t - middle) + 2 Re sum_h w_{d,h} g exp(i h phase).
 #[derive(Debug, Clone)]

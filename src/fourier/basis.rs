@@ -13,7 +13,7 @@ const MOST_HARMONICS: usize = 1_000_000;
 
 /// Beyond this condition number of the design matrix a fit is refused: an error of 1e-6 rad in the
 /// samples could move a weight by 1 rad.
-const WORST_CONDITION: f64 = 1e6;
+pub(crate) const WORST_CONDITION: f64 = 1e6;
 
 /// Stamps this close to a uniform grid, as a share of the period, are that grid.
 const GRID_TOLERANCE: f64 = 1e-12;

@@ -20,8 +20,10 @@ mod wave;
 
 pub use autoregression::Autoregression;
 pub use basis::FourierBasis;
+pub(crate) use basis::WORST_CONDITION;
 pub use bounds::Interval;
 pub use grid::PeriodGrid;
 pub use joints::Joints;
 pub use ring::CycleRing;
+pub(crate) use ring::{LARGEST_DEVIATION, MOST_CYCLE_HARMONICS};
 pub use wave::{Derivative, State, Wave};

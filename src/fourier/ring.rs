@@ -12,7 +12,10 @@ use crate::error::{Error, ErrorKind, Result};
 const POINTS: usize = 4;
 
 /// Largest |ln| of one cycle's amplitude or tempo relative to the mean: e^3 = 20 times as large is no variation of a wave.
-const LARGEST_DEVIATION: f64 = 3.0;
+pub(crate) const LARGEST_DEVIATION: f64 = 3.0;
+
+/// No arm's cycle has more, and the search for its frequency takes time with their cube.
+pub(crate) const MOST_CYCLE_HARMONICS: usize = 50;
 
 /// No wave that repeats later than after so many cycles is of use, and the tables grow with their square.
 const MOST_CYCLES: usize = 1000;

@@ -165,7 +165,7 @@ impl Draws {
         let mut worst = Diagnostics::of(&series)?;
         // A likelihood that is flat has no series to judge: constant, and rightly so.
         if series.concat().iter().all(|l| *l == series[0][0]) {
-            worst = self.diagnose(|z| super::dot(z, z))?;
+            worst = self.diagnose(|z| crate::vectors::dot(z, z))?;
         }
         for i in 0..self.chains[0].z.nrows() {
             worst = worst.worse(&self.diagnose(|z| z[i])?);

@@ -5,9 +5,10 @@ use rand::Rng;
 use super::options::HamiltonianOptions;
 use super::reference::Reference;
 use super::step_size::DualAveraging;
-use super::{Effort, Transition, add_scaled, checked, dot, uniform};
+use super::{Effort, Transition, checked, uniform};
 use crate::error::{Error, ErrorKind, Result};
 use crate::normal;
+use crate::vectors::{add_scaled, dot};
 
 /// First step [rad]; dual averaging soon knows better.
 const FIRST_STEP: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{add_scaled, dot};
+use crate::vectors::{add_scaled, dot};
 
 /// A direction whose variance is above this is left as the prior has it: it would gain less than its estimate is off.
 const NARROW: f64 = 0.7;

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Kronecker;
 use crate::error::{Error, ErrorKind, Result};
+use crate::vectors::dot;
 
 /// The covariance of n coordinates as a sum of three parts,
 ///
@@ -203,22 +204,4 @@ impl Covariance {
         }
         sigma
     }
-}
-
-/// In four lanes, joined in a fixed order.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 4];
-    let (a_chunks, b_chunks) = (a.chunks_exact(4), b.chunks_exact(4));
-    let tail: f64 = a_chunks
-        .remainder()
-        .iter()
-        .zip(b_chunks.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for i in 0..4 {
-            lanes[i] += a[i] * b[i];
-        }
-    }
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + tail
 }

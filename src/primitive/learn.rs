@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::chart::{ChartForm, Cycles, OffsetForm, PhaseForm};
 use super::example::Example;
-use super::scatter::Scatter;
+use super::scatter::{Scatter, charted};
 use super::{Estimator, FourierMovementPrimitive, Gaussian};
 use crate::demonstration::{CycleFits, Demonstrations};
 use crate::error::{Error, ErrorKind, Result};
@@ -43,7 +43,8 @@ pub struct LearnOptions {
     pub offsets: Offsets,
     /// How the covariance is estimated.
     pub estimator: Estimator,
-    /// Start every wave where the harmonic with most energy over all waves has phase zero, before anything else.
+    /// Start every wave of a common period where the harmonic with most energy over all waves has phase zero, before anything else. (Cycles have their start
+    /// as a coordinate.)
     pub align: bool,
 }
 
@@ -55,6 +56,19 @@ impl LearnOptions {
             offsets: Offsets::Signed,
             estimator: Estimator::MaximumLikelihood,
             align: false,
+        }
+    }
+
+    /// Fitted demonstrations as these options take them: aligned, if asked for.
+    ///
+    /// # Errors
+    /// When they are to be aligned, and differ in joints or harmonics.
+    pub fn examples(&self, waves: &[Wave]) -> Result<Vec<Example>> {
+        let examples = waves.iter().map(Example::from).collect();
+        if self.align {
+            super::start::aligned(examples)
+        } else {
+            Ok(examples)
         }
     }
 
@@ -192,9 +206,9 @@ impl FourierMovementPrimitive {
     /// # Errors
     /// When there are fewer than two, they differ in joints, period or harmonics, or the options do not fit them.
     pub fn from_waves(waves: &[Wave], options: &LearnOptions) -> Result<Self> {
-        let examples: Vec<Example> = waves.iter().map(Example::from).collect();
+        let examples = options.examples(waves)?;
         let form = options.form(&examples)?;
-        Self::from_examples(&examples, &form, options)
+        Self::from_examples(&examples, &form, options.estimator)
     }
 
     /// Learns from recordings of which each has its own frequency; a drawn wave has `count` cycles.
@@ -204,31 +218,17 @@ impl FourierMovementPrimitive {
     pub fn from_cycles(fits: &CycleFits, count: usize, options: &LearnOptions) -> Result<Self> {
         let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
         let form = options.form_of_cycles(fits, count)?;
-        Self::from_examples(&examples, &form, options)
+        Self::from_examples(&examples, &form, options.estimator)
     }
 
-    fn from_examples(
-        examples: &[Example],
-        form: &ChartForm,
-        options: &LearnOptions,
-    ) -> Result<Self> {
-        let aligned;
-        let examples = if options.align {
-            aligned = super::start::aligned(examples)?;
-            &aligned
-        } else {
-            examples
-        };
-        let estimator = options.estimator.chosen(examples, form)?;
-        let scatter = Scatter::of(examples, form)?;
+    fn from_examples(examples: &[Example], form: &ChartForm, estimator: Estimator) -> Result<Self> {
         if (form.phases, estimator) == (PhaseForm::Principal, Estimator::MaximumLikelihood) {
             // To the letter, and with the fewest columns.
-            let vectors = examples
-                .iter()
-                .map(|example| scatter.chart.vector_of(example))
-                .collect::<Result<Vec<_>>>()?;
-            return Self::new(scatter.chart, Gaussian::maximum_likelihood(&vectors)?);
+            let (chart, vectors) = charted(examples, form)?;
+            return Self::new(chart, Gaussian::maximum_likelihood(&vectors)?);
         }
+        let estimator = estimator.chosen(examples, form)?;
+        let scatter = Scatter::of(examples, form)?;
         let gaussian = estimator.gaussian(&scatter)?;
         Self::new(scatter.chart, gaussian)
     }

@@ -42,6 +42,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Wave};
 use crate::normal;
 use gaussian::Contradiction;
+use observation::MOST_OBSERVATIONS;
 
 /// A draw farther from the mean than this many standard deviations has a probability below 1e-300.
 const FARTHEST: f64 = 38.0;
@@ -140,9 +141,14 @@ impl FourierMovementPrimitive {
     /// The primitive given values of some coordinates, exact or with standard deviations (equation (2)); any number of them, in any order.
     ///
     /// # Errors
-    /// When a coordinate does not exist, a value is no value of its quantity, or an exact one contradicts what is certain already:
-    /// other observations, or, at rank M - 1, the demonstrations themselves.
+    /// When a coordinate does not exist, a value is no value of its quantity, or contradicts what is certain already (other observations, or, at
+    /// rank M - 1, the demonstrations themselves), or there are more than a thousand of them in all.
     pub fn condition(&self, observations: &[Observation]) -> Result<Self> {
+        let all = self.gaussian.observations().len() + observations.len();
+        if all > MOST_OBSERVATIONS {
+            return Err(Error::new(ErrorKind::Setting, format!("{all} conditions"))
+                .expected(format!("at most {MOST_OBSERVATIONS}")));
+        }
         let linear = self.linear(observations)?;
         let gaussian = self
             .gaussian

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::chart::{ChartForm, FLOOR, LogPolar, PhaseForm, principal};
-use super::covariance::dot;
 use super::example::Example;
 use crate::error::{Error, ErrorKind, Result};
+use crate::vectors::dot;
 
 /// Of a demonstration: what all others together must be worth.
 const ALONE: f64 = 1e-3;
@@ -53,28 +53,7 @@ pub(super) struct Scatter {
 impl Scatter {
     /// Of at least two demonstrations of one shape.
     pub fn of(examples: &[Example], form: &ChartForm) -> Result<Self> {
-        let (Some(first), true) = (examples.first(), examples.len() > 1) else {
-            return Err(Error::new(
-                ErrorKind::Shape,
-                format!("{} demonstrations", examples.len()),
-            )
-            .expected("at least two"));
-        };
-        let (joints, harmonics) = (first.wave.joints().clone(), first.wave.harmonics());
-        if harmonics == 0 {
-            return Err(
-                Error::new(ErrorKind::Shape, "waves without harmonics").expected("at least one")
-            );
-        }
-        let reference = strongest_joint(examples);
-        let centres = vec![0.0; joints.len() * harmonics];
-        let shape = (first.wave.period(), harmonics);
-        // With branches about zero, to find where the branches must lie.
-        let chart = LogPolar::in_form(joints, shape, form, reference, centres);
-        let vectors = examples
-            .iter()
-            .map(|example| chart.vector_of(example))
-            .collect::<Result<Vec<_>>>()?;
+        let (chart, vectors) = charted(examples, form)?;
         let n = chart.dimension();
         let (phases, after) = chart.starts();
         let mut scatter = Self {
@@ -183,6 +162,35 @@ impl Scatter {
     pub fn count(&self) -> usize {
         self.directions.nrows()
     }
+}
+
+/// The chart of at least two demonstrations of one shape with branches about zero, and their vectors in it.
+pub(super) fn charted(
+    examples: &[Example],
+    form: &ChartForm,
+) -> Result<(LogPolar, Vec<DVector<f64>>)> {
+    let (Some(first), true) = (examples.first(), examples.len() > 1) else {
+        return Err(Error::new(
+            ErrorKind::Shape,
+            format!("{} demonstrations", examples.len()),
+        )
+        .expected("at least two"));
+    };
+    let (joints, harmonics) = (first.wave.joints().clone(), first.wave.harmonics());
+    if harmonics == 0 {
+        return Err(
+            Error::new(ErrorKind::Shape, "waves without harmonics").expected("at least one")
+        );
+    }
+    let reference = strongest_joint(examples);
+    let centres = vec![0.0; joints.len() * harmonics];
+    let shape = (first.wave.period(), harmonics);
+    let chart = LogPolar::in_form(joints, shape, form, reference, centres);
+    let vectors = examples
+        .iter()
+        .map(|example| chart.vector_of(example))
+        .collect::<Result<Vec<_>>>()?;
+    Ok((chart, vectors))
 }
 
 /// The probability that N uniform angles have a resultant of this length or more, to O(N^-2) (Mardia and Jupp, equation (6.3.4)).

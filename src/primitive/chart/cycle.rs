@@ -3,8 +3,11 @@
 use nalgebra::DVector;
 
 use crate::elementary::exp;
-use crate::error::Result;
-use crate::fourier::{Autoregression, CycleRing, Derivative, PeriodGrid, Wave};
+use crate::error::{Error, ErrorKind, Result};
+use crate::fourier::{
+    Autoregression, CycleRing, Derivative, LARGEST_DEVIATION, MOST_CYCLE_HARMONICS, PeriodGrid,
+    Wave,
+};
 
 /// Points at which a cycle is looked at for its largest and smallest position, for each harmonic: between them the highest harmonic, which is the
 /// smallest, moves by less than 0.5 % of its amplitude.
@@ -12,9 +15,6 @@ const POINTS: usize = 32;
 
 /// Levels of jitter below this are no different from none: a tenth of a per cent from cycle to cycle.
 const LEAST_JITTER: f64 = 1e-3;
-
-/// Largest |ln| of the amplitude or tempo of one cycle relative to the mean.
-const LARGEST_DEVIATION: f64 = 3.0;
 
 /// Entries after the swings: ln f and two levels of jitter.
 pub(super) const AFTER_SWINGS: usize = 3;
@@ -47,13 +47,20 @@ impl Cycles {
     /// Rings of `count` cycles of so many harmonics, with the two autoregressions.
     ///
     /// # Errors
-    /// When there is no cycle, or more than a thousand.
+    /// When there is no cycle, or more than a thousand, or no harmonic, or more than fifty.
     pub fn new(
         count: usize,
         harmonics: usize,
         amplitude: Autoregression,
         tempo: Autoregression,
     ) -> Result<Self> {
+        if !(1..=MOST_CYCLE_HARMONICS).contains(&harmonics) {
+            return Err(Error::new(
+                ErrorKind::Setting,
+                format!("{harmonics} harmonics of a cycle"),
+            )
+            .expected(format!("from 1 to {MOST_CYCLE_HARMONICS}")));
+        }
         Ok(Self {
             ring: CycleRing::new(count)?,
             amplitude,

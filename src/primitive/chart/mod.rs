@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 pub use cycle::{Cycles, Jitter};
 pub use form::{ChartForm, OffsetForm, PhaseForm};
 pub(super) use phases::{Phases, principal};
+pub(super) use rows::add_to_row;
 
 use super::example::Example;
 use super::observation::{Coordinate, JitterOf};
@@ -185,6 +186,11 @@ impl LogPolar {
     /// Where ln f is, of cycles.
     pub(super) fn frequency(&self) -> Option<usize> {
         self.tail().map(|tail| tail + self.joints.len())
+    }
+
+    /// Whether entry i is of no harmonic, or of one of the lowest so that `most` moduli and `most` phases are.
+    pub(super) fn is_low(&self, i: usize, most: usize) -> bool {
+        i >= self.starts().1 || i % self.harmonics < (most / self.joints.len()).max(1)
     }
 
     /// Entry i of a wave's vector lies within +- this.

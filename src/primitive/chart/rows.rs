@@ -127,15 +127,14 @@ impl LogPolar {
             Coordinate::LockedPhase { joint, harmonic } => {
                 tail("`phase:JOINT/JOINT:K=VALUE`")?;
                 let (d, k) = self.address(joint, *harmonic)?;
-                let (start, times) = self.phases().anchor(d, k).ok_or_else(|| {
-                    Error::new(ErrorKind::Name, "the phase of the reference joint itself")
-                        .expected("phases that are relative, and another joint or harmonic")
-                })?;
-                let own = vec![
-                    (phases + d * self.harmonics() + k, 1.0),
-                    (phases + start, times),
-                ];
-                difference(own, vec![(phases + start, times)])
+                if self.phases().anchor(d, k).is_none() {
+                    return Err(Error::new(
+                        ErrorKind::Name,
+                        "the phase of the reference joint itself",
+                    )
+                    .expected("phases that are relative, and another joint or harmonic"));
+                }
+                vec![(phases + d * self.harmonics() + k, 1.0)]
             }
             Coordinate::Swing { joint } => {
                 let start = tail("`modulus:JOINT:K=VALUE`, half the amplitude of a harmonic")?;
@@ -157,7 +156,7 @@ impl LogPolar {
                 joint,
                 to,
                 harmonic,
-            } => difference(phase(joint, *harmonic)?, phase(to, *harmonic)?),
+            } => difference(phase(joint, *harmonic)?, &phase(to, *harmonic)?),
             Coordinate::Offset { joint } => vec![(offsets + self.joints().index(joint)?, 1.0)],
             Coordinate::Ratio {
                 joint,
@@ -166,7 +165,7 @@ impl LogPolar {
                 to_harmonic,
             } => difference(
                 vec![modulus(joint, *harmonic)?],
-                vec![modulus(to, *to_harmonic)?],
+                &[modulus(to, *to_harmonic)?],
             ),
         };
         if row.is_empty() {
@@ -236,15 +235,23 @@ impl LogPolar {
     }
 }
 
-/// a - b, entries that cancel left out.
-fn difference(a: Vec<(usize, f64)>, b: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
-    let mut row = a;
-    for (i, c) in b {
-        match row.iter_mut().find(|(j, _)| *j == i) {
-            Some(entry) => entry.1 -= c,
-            None => row.push((i, -c)),
+/// row + factor a, entries that cancel left out.
+pub(in crate::primitive) fn add_to_row(
+    row: &mut Vec<(usize, f64)>,
+    factor: f64,
+    a: &[(usize, f64)],
+) {
+    for (i, c) in a {
+        match row.iter_mut().find(|(j, _)| j == i) {
+            Some(entry) => entry.1 += factor * c,
+            None => row.push((*i, factor * c)),
         }
     }
     row.retain(|(_, c)| *c != 0.0);
-    row
+}
+
+/// a - b.
+fn difference(mut a: Vec<(usize, f64)>, b: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    add_to_row(&mut a, -1.0, b);
+    a
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::primitive::Covariance;
-use crate::primitive::covariance::dot;
+use crate::vectors::dot;
 
 /// N(0, f F F^T + t T), T what the blocks and independent parts of a covariance make, for many f and t: Woodbury's identity and the matrix determinant
 /// lemma about T, whose inverse square root W is explicit but for what is left of a Kronecker product when some coordinates take no part.

@@ -16,6 +16,9 @@ const STEPS: usize = 20;
 /// Added to the variance of each standardised coordinate where a covariance has no inverse: maximum likelihood.
 const RIDGE: f64 = 1e-6;
 
+/// Of each kind of coordinate no more are scored, the lowest harmonics of every joint: time and memory grow with their cube and square.
+const MOST_SCORED: usize = 1500;
+
 /// A demonstration left out of the estimate.
 ///
 /// Its score is the density of its vector given its own largest modulus, in nats a dimension: coordinates in units of the standard
@@ -26,7 +29,7 @@ pub struct HeldOut {
     scatter: Scatter,
     /// The left-out vector, standardised.
     z: Vec<f64>,
-    /// 1 for the coordinates that are scored, 0 for phases without amplitude.
+    /// 1 for the coordinates that are scored, 0 for phases without amplitude and for very high harmonics.
     counted: Vec<f64>,
     /// Its largest modulus.
     dominant: usize,
@@ -54,13 +57,20 @@ impl HeldOut {
     pub fn new(rest: &[Example], example: &Example, form: &ChartForm) -> Result<Self> {
         let scatter = Scatter::of(rest, form)?;
         let x = scatter.chart.vector_of(example)?;
+        let counted: Vec<f64> = (0..x.len())
+            .map(|i| {
+                let is_scored =
+                    scatter.chart.is_low(i, MOST_SCORED) && !scatter.is_faint(example, i);
+                f64::from(u8::from(is_scored))
+            })
+            .collect();
         // Of cycles, the largest swing.
         let sizes = match scatter.chart.tail() {
             None => 0..scatter.chart.starts().0,
             Some(tail) => tail..tail + scatter.chart.joints().len(),
         };
         let dominant = sizes
-            .filter(|i| scatter.deviations[*i] > 0.0)
+            .filter(|i| scatter.deviations[*i] > 0.0 && counted[*i] > 0.0)
             .fold(None, |best: Option<usize>, i| {
                 if best.is_none_or(|b| x[i] > x[b]) {
                     Some(i)
@@ -77,9 +87,6 @@ impl HeldOut {
                     0.0
                 }
             })
-            .collect();
-        let counted = (0..x.len())
-            .map(|i| f64::from(u8::from(!scatter.is_faint(example, i))))
             .collect();
         Ok(Self {
             scatter,
@@ -104,7 +111,28 @@ impl HeldOut {
         } else {
             covariance
         };
-        Ok(self.conditional(&covariance, &Density::new(&covariance), 1.0, 1.0))
+        Ok(self.conditional(
+            &self.column(&covariance),
+            &Density::new(&covariance),
+            1.0,
+            1.0,
+        ))
+    }
+
+    /// The scores of the Kronecker estimator for each of [`weights`]: its covariance is linear in the weight, and so is what one coordinate says of the others.
+    fn scores(&self) -> Result<Vec<f64>> {
+        let weight = Some(0.5);
+        let half = self.correlation(Estimator::Kronecker { weight })?;
+        let target = self.correlation(Estimator::Kronecker { weight: None })?;
+        let density = Density::new(&half);
+        let (half, target) = (self.column(&half), self.column(&target));
+        Ok(weights()
+            .map(|a| {
+                let at = |(h, t): (&f64, &f64)| 2.0 * (1.0 - a) * h + (2.0 * a - 1.0) * t;
+                let column: Vec<f64> = half.iter().zip(&target).map(at).collect();
+                self.conditional(&column, &density, 2.0 * (1.0 - a), 2.0 * a)
+            })
+            .collect())
     }
 
     /// Of the coordinates that are counted.
@@ -115,26 +143,17 @@ impl HeldOut {
             .rescaled(&self.counted, &alone)
     }
 
-    /// The scores of the Kronecker estimator for each of [`weights`].
-    fn scores(&self) -> Result<Vec<f64>> {
-        let weight = Some(0.5);
-        let base = self.correlation(Estimator::Kronecker { weight })?;
-        let density = Density::new(&base);
-        weights()
-            .map(|a| {
-                let weight = Some(a);
-                let covariance = self.correlation(Estimator::Kronecker { weight })?;
-                Ok(self.conditional(&covariance, &density, 2.0 * (1.0 - a), 2.0 * a))
-            })
-            .collect()
+    /// The covariances of all coordinates with the dominant one.
+    fn column(&self, covariance: &Covariance) -> Vec<f64> {
+        let mut row = vec![0.0; self.z.len()];
+        row[self.dominant] = 1.0;
+        let mut column = vec![0.0; self.z.len()];
+        covariance.apply(&covariance.apply_transposed(&row), &mut column);
+        column
     }
 
-    fn conditional(&self, covariance: &Covariance, density: &Density, f: f64, t: f64) -> f64 {
+    fn conditional(&self, column: &[f64], density: &Density, f: f64, t: f64) -> f64 {
         let n = self.z.len();
-        let mut row = vec![0.0; n];
-        row[self.dominant] = 1.0;
-        let mut column = vec![0.0; n];
-        covariance.apply(&covariance.apply_transposed(&row), &mut column);
         let variance = column[self.dominant];
         if variance <= 0.0 {
             return 0.0;

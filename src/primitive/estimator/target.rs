@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use crate::error::Result;
-use crate::primitive::covariance::dot;
 use crate::primitive::{Kronecker, LogPolar};
+use crate::vectors::dot;
 
 /// Eigenvalues of a pooled correlation matrix below this are raised to it.
 const LEAST_EIGENVALUE: f64 = 0.02;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::observation::MOST_OBSERVATIONS;
 use super::{
     ChartForm, Covariance, Cycles, FourierMovementPrimitive, Gaussian, LogPolar, OffsetForm,
     PhaseForm,
@@ -124,6 +125,10 @@ impl FourierMovementPrimitive {
         }
         let covariance = Covariance::new(factor(&file.factor, n)?, blocks, independent)?;
         let gaussian = Gaussian::structured(DVector::from_vec(file.mean), covariance)?;
+        if file.observations.len() > MOST_OBSERVATIONS {
+            return Err(shape(format!("{} observations", file.observations.len()))
+                .expected(format!("at most {MOST_OBSERVATIONS}")));
+        }
         // Before the observations are worked in: they need a sound one.
         let prior = Self::new(chart.clone(), gaussian)?;
         let observations = file
@@ -131,7 +136,7 @@ impl FourierMovementPrimitive {
             .into_iter()
             .map(|o| o.observation(n))
             .collect::<Result<Vec<_>>>()?;
-        let gaussian = prior.gaussian.replay(observations).map_err(|c| {
+        let gaussian = prior.gaussian.replay(&observations).map_err(|c| {
             Error::new(
                 ErrorKind::Infeasible,
                 format!(
@@ -195,13 +200,15 @@ fn chart(
             );
         }
     };
+    // What is wrong in a file is no setting of the user's.
     let cycles = cycles
         .map(|entry| {
             let amplitude = Autoregression::new(entry.amplitude_correlation)?;
             let tempo = Autoregression::new(entry.tempo_correlation)?;
             Cycles::new(entry.count, harmonics, amplitude, tempo).map(Arc::new)
         })
-        .transpose()?;
+        .transpose()
+        .map_err(|e: Error| Error::new(ErrorKind::Value, e.to_string()))?;
     let offsets: Vec<OffsetForm> = match forms.offsets {
         None => vec![OffsetForm::Signed; joints.len()],
         Some(entries) => entries.into_iter().map(OffsetEntry::form).collect(),

@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use rand::Rng;
 
 use super::Covariance;
-use super::covariance::dot;
 use crate::error::{Error, ErrorKind, Result};
 use crate::normal;
+use crate::vectors::dot;
 pub(super) use observed::Contradiction;
 use observed::{Observed, norm};
 
@@ -23,6 +23,13 @@ pub struct LinearObservation {
     pub value: f64,
     /// Of b; 0 for an exact observation.
     pub deviation: f64,
+}
+
+impl LinearObservation {
+    /// Its standard deviation, if it is not exact.
+    fn own_noise(&self) -> Option<f64> {
+        (self.deviation > 0.0).then_some(self.deviation)
+    }
 }
 
 /// N(mu, Sigma) given any number of linear observations, with Sigma an implicit [`Covariance`] B B^T.
@@ -262,20 +269,32 @@ impl Gaussian {
         dot(&x, &y) + dot(&u, &v)
     }
 
-    /// a^T B, extended by its own noise, projected away from the observations: twice, which is enough (Giraud et al. 2005).
-    fn remaining(&self, row: &[(usize, f64)], deviation: Option<f64>) -> (Vec<f64>, Vec<f64>) {
+    /// a^T B (l).
+    fn latent_row(&self, row: &[(usize, f64)]) -> Vec<f64> {
         let mut a = vec![0.0; self.dimension()];
         for (i, c) in row {
             a[*i] += c;
         }
-        let mut latent = self.covariance.apply_transposed(&a);
+        self.covariance.apply_transposed(&a)
+    }
+
+    /// A row over the latent numbers, extended by its own noise if it has a deviation, projected away from the observations: twice, which is
+    /// enough (Giraud et al. 2005). The noise that comes of it.
+    fn project(&self, latent: &mut [f64], deviation: Option<f64>) -> Vec<f64> {
         let mut noise = vec![0.0; self.noises()];
         noise.extend(deviation);
         for _ in 0..2 {
             for observed in &self.observed {
-                observed.project_out(&mut latent, &mut noise);
+                observed.project_out(latent, &mut noise);
             }
         }
+        noise
+    }
+
+    /// What the observations leave of a^T B.
+    fn remaining(&self, row: &[(usize, f64)], deviation: Option<f64>) -> (Vec<f64>, Vec<f64>) {
+        let mut latent = self.latent_row(row);
+        let noise = self.project(&mut latent, deviation);
         (latent, noise)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Gaussian, LinearObservation};
-use crate::primitive::covariance::dot;
+use crate::vectors::{add_scaled, dot};
 
 /// A direction whose standard deviation is below this has no variance: coordinates are radians and logarithms.
 const NO_VARIANCE: f64 = 1e-9;
@@ -36,14 +36,8 @@ impl Observed {
 
     pub fn project_out(&self, latent: &mut [f64], noise: &mut [f64]) {
         let share = dot(&self.latent, latent) + dot(&self.noise, &noise[..self.noise.len()]);
-        subtract(latent, share, &self.latent);
-        subtract(noise, share, &self.noise);
-    }
-}
-
-fn subtract(v: &mut [f64], share: f64, q: &[f64]) {
-    for (v, q) in v.iter_mut().zip(q) {
-        *v -= share * q;
+        add_scaled(latent, -share, &self.latent);
+        add_scaled(noise, -share, &self.noise);
     }
 }
 
@@ -89,13 +83,13 @@ impl Gaussian {
     /// As [`condition`](Self::condition), in the order given: what a file needs to come back bit for bit.
     pub(in crate::primitive) fn replay(
         &self,
-        observations: Vec<LinearObservation>,
+        observations: &[LinearObservation],
     ) -> std::result::Result<Self, Contradiction> {
         let mut posterior = self.clone();
-        for (index, observation) in observations.into_iter().enumerate() {
+        for (index, observation) in observations.iter().enumerate() {
             let prior_deviation = self.deviation_of(&observation.row);
             posterior
-                .eliminate(&observation)
+                .eliminate(observation)
                 .map_err(|certain| Contradiction {
                     observation: index,
                     certain,
@@ -107,29 +101,15 @@ impl Gaussian {
 
     /// Whether the observation told anything new; the only possible value where it contradicts.
     fn eliminate(&mut self, observation: &LinearObservation) -> std::result::Result<bool, f64> {
-        let exact = observation.deviation == 0.0;
-        let prior = {
-            let mut a = vec![0.0; self.dimension()];
-            for (i, c) in &observation.row {
-                a[*i] += c;
-            }
-            let row = self.covariance.apply_transposed(&a);
-            dot(&row, &row).sqrt()
-        };
+        let mut latent = self.latent_row(&observation.row);
+        let prior = dot(&latent, &latent).sqrt();
         let residual = observation.value - self.mean_of(&observation.row);
-        let deviation = (!exact).then_some(observation.deviation);
-        let (mut latent, mut noise) = self.remaining(&observation.row, deviation);
+        let deviation = observation.own_noise();
+        let mut noise = self.project(&mut latent, deviation);
         let left = norm(&latent, &noise);
-        if exact && (left <= DEPENDENT * prior || left <= NO_VARIANCE) {
-            return if residual.abs() <= CONSISTENT * prior.max(1.0) {
-                Ok(false)
-            } else {
-                Err(self.mean_of(&observation.row))
-            };
-        }
-        // A wish about what does not vary any more cannot be met, and would pass for met.
-        let varies = dot(&latent, &latent).sqrt() > (DEPENDENT * prior).max(NO_VARIANCE);
-        if !exact && !varies {
+        // A wish about what does not vary any more cannot be met, and would pass for met: its own noise does not count.
+        let varies = norm(&latent, &noise[..self.noises()]);
+        if varies <= (DEPENDENT * prior).max(NO_VARIANCE) {
             return if residual.abs() <= CONSISTENT * prior.max(1.0) {
                 Ok(false)
             } else {
@@ -166,8 +146,7 @@ impl Gaussian {
         let mut squared = 0.0;
         for observation in observations {
             let residual = observation.value - posterior.mean_of(&observation.row);
-            let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
-            let (latent, noise) = posterior.remaining(&observation.row, deviation);
+            let (latent, noise) = posterior.remaining(&observation.row, observation.own_noise());
             let left = norm(&latent, &noise);
             if posterior.eliminate(observation) == Ok(true) {
                 squared += (residual / left).powi(2);
@@ -192,8 +171,7 @@ struct Pivot {
 
 impl Pivot {
     fn new(gaussian: &Gaussian, index: usize, observation: &LinearObservation) -> Self {
-        let deviation = (observation.deviation > 0.0).then_some(observation.deviation);
-        let (latent, noise) = gaussian.remaining(&observation.row, deviation);
+        let (latent, noise) = gaussian.remaining(&observation.row, observation.own_noise());
         let prior = norm(&latent, &noise);
         Self {
             index,

@@ -10,6 +10,9 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Derivative, Joints};
 use weights::{Kind, absolute, pair, weights};
 
+/// Matrices of so many rows and columns take 0.8 GB, and there are three at a time.
+const LARGEST: usize = 10_000;
+
 /// The first two moments of the trajectories of a primitive.
 ///
 /// y(t) is no Gaussian, but it is linear in the weights, and theirs are those of complex log-normal numbers. With complex rows a such that ln w_j = a_j^T x,
@@ -49,7 +52,7 @@ impl FourierMovementPrimitive {
     /// Mean and covariance of the trajectories, with a spread of the start on top of the primitive's own.
     ///
     /// # Errors
-    /// When a variance is so large that a moment overflows, or the spread is no number.
+    /// When a variance is so large that a moment overflows, the spread is no number, each wave has its own frequency, or there are more than 10 000 coordinates.
     pub fn moments(&self, start: StartSpread) -> Result<TrajectoryMoments> {
         if let StartSpread::Normal(deviation) = start
             && !(deviation >= 0.0 && deviation.is_finite())
@@ -69,6 +72,14 @@ impl FourierMovementPrimitive {
             .expected("a model learned with --period common")
             .help("draw waves instead"));
         };
+        if chart.dimension() > LARGEST {
+            return Err(Error::new(
+                ErrorKind::Unsupported,
+                format!("the covariance of {} coordinates", chart.dimension()),
+            )
+            .expected(format!("at most {LARGEST}, 2 D K + D"))
+            .help("learn with fewer harmonics, or draw waves"));
+        }
         let sigma = absolute(chart, self.gaussian().covariance());
         let mut mu = self.gaussian().mean().clone();
         let (phases, offsets) = chart.starts();

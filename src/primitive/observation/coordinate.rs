@@ -56,7 +56,8 @@ pub enum Coordinate {
     /// How lively a wave is: standard deviation of ln amplitude or ln tempo from cycle to cycle (0.05 is 5 %), in the long run; a wave of few
     /// cycles, each like the one before, shows less.
     Jitter(JitterOf),
-    /// |w_{d,h}| over the joint's swing.
+    /// |w_{d,h}| over the joint's swing, but for the factor, common to a joint's harmonics, that scales a drawn shape to its swing: two of them
+    /// against each other (a ratio) are exact, one alone is as near as the shapes of the demonstrations agree.
     Shape { joint: String, harmonic: Harmonic },
     /// Arg w_{d,h} - h Arg w_{ref,1} \[rad\]: a phase that does not depend on the start.
     LockedPhase { joint: String, harmonic: Harmonic },

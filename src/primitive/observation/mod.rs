@@ -8,6 +8,7 @@ use std::fmt;
 pub use coordinate::{Coordinate, Harmonic, JitterOf, Unit};
 
 use super::LogPolar;
+use super::chart::add_to_row;
 use super::gaussian::LinearObservation;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Interval;
@@ -128,14 +129,8 @@ impl Observation {
             Quantity::Sum(terms) => {
                 let mut row: Vec<(usize, f64)> = Vec::new();
                 for (factor, coordinate) in terms {
-                    for (i, c) in chart.row(coordinate)? {
-                        match row.iter_mut().find(|(j, _)| *j == i) {
-                            Some(entry) => entry.1 += factor * c,
-                            None => row.push((i, factor * c)),
-                        }
-                    }
+                    add_to_row(&mut row, *factor, &chart.row(coordinate)?);
                 }
-                row.retain(|(_, c)| *c != 0.0);
                 if row.is_empty() || row.iter().any(|(_, c)| !c.is_finite()) {
                     return refuse(
                         "a sum of nothing".into(),
@@ -173,6 +168,9 @@ impl Observation {
         })
     }
 }
+
+/// A primitive has no more: their number enters the time that they take with its cube.
+pub(super) const MOST_OBSERVATIONS: usize = 1000;
 
 /// No quantity of a wave is larger as it stands in a vector.
 const LARGEST_VALUE: f64 = 200.0;

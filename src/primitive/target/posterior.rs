@@ -11,7 +11,7 @@ use crate::primitive::{FourierMovementPrimitive, stream};
 
 /// Draws of a primitive given a likelihood of the wave, by chains that each started on its own.
 ///
-/// What a draw is used for is what to [`diagnose`](Self::diagnose); the log-likelihood alone is in [`diagnostics`](Self::diagnostics).
+/// What a draw is used for is what to [`diagnose`](Self::diagnose); [`diagnostics`](Self::diagnostics) looks at what most uses depend on.
 #[derive(Debug, Clone)]
 pub struct Posterior {
     primitive: FourierMovementPrimitive,
@@ -243,34 +243,34 @@ impl Posterior {
     /// # Errors
     /// When there are too few draws.
     pub fn diagnostics(&self) -> Result<Diagnostics> {
-        let mut seen: Vec<Vec<Vec<f64>>> = Vec::new();
-        for draws in &self.latent {
-            let waves = draws.iter().map(|z| self.primitive.wave_at(&mut z.clone()));
-            seen.push(waves.map(|wave| sizes_and_offsets(&wave)).collect());
-        }
-        let statistics = seen[0][0].len();
-        let series = |s: usize| -> Vec<Vec<f64>> {
-            let of = |draws: &Vec<Vec<f64>>| draws.iter().map(|x| x[s]).collect();
-            seen.iter().map(of).collect()
+        let joints = self.primitive.chart().joints();
+        let targets = self
+            .targets
+            .iter()
+            .map(|target| Ok((target, target.joint(joints)?)))
+            .collect::<Result<Vec<_>>>()?;
+        let statistics = |wave: &Wave| -> Vec<f64> {
+            let energies = wave.weights().row_iter().map(|row| row.norm_squared());
+            let sizes = energies.map(|e| e.max(f64::MIN_POSITIVE).ln());
+            let offsets = wave.offsets().iter().copied();
+            let aims = targets.iter().map(|(target, d)| target.value(wave, *d));
+            sizes.chain(offsets).chain(aims).collect()
         };
-        let mut worst = Diagnostics::of(&series(0))?;
-        for s in 1..statistics {
-            worst = judged(worst, &series(s))?;
+        let mut series = vec![vec![Vec::new(); self.chains()]; 2 * joints.len() + targets.len()];
+        for (chain, draws) in self.latent.iter().enumerate() {
+            for latent in draws {
+                let wave = self.primitive.wave_at(&mut latent.clone());
+                for (series, value) in series.iter_mut().zip(statistics(&wave)) {
+                    series[chain].push(value);
+                }
+            }
         }
-        worst = judged(worst, &self.log_likelihoods)?;
-        for target in &self.targets {
-            let joint = target.joint(self.primitive.chart().joints())?;
-            worst = judged(worst, &self.series(|wave| target.value(wave, joint)))?;
-        }
-        Ok(worst)
+        let first = Diagnostics::of(&series[0])?;
+        series
+            .iter()
+            .chain([&self.log_likelihoods])
+            .try_fold(first, |worst, series| judged(worst, series))
     }
-}
-
-/// ln sum |w_k|^2 and w_0 of each joint.
-fn sizes_and_offsets(wave: &Wave) -> Vec<f64> {
-    let energies = wave.weights().row_iter().map(|row| row.norm_squared());
-    let sizes = energies.map(|e| e.max(f64::MIN_POSITIVE).ln());
-    sizes.chain(wave.offsets().iter().copied()).collect()
 }
 
 /// The worse of both, unless the series never changes.
