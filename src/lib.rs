@@ -110,6 +110,8 @@ pub mod figure;
 mod fourier;
 #[cfg(feature = "robot")]
 mod geometry;
+#[cfg(feature = "robot")]
+mod motion;
 mod normal;
 pub mod posterior;
 mod primitive;
@@ -142,6 +144,8 @@ pub use fourier::{
 };
 #[cfg(feature = "robot")]
 pub use geometry::{Shape, Solid};
+#[cfg(feature = "robot")]
+pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
 pub use primitive::{
     Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,

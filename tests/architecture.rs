@@ -11,7 +11,7 @@ const RANKS: [&[&str]; 9] = [
     &["elementary", "error", "vectors"],
     &["document", "normal", "units"],
     &["fourier", "geometry", "posterior"],
-    &["demonstration", "robot"],
+    &["demonstration", "motion", "robot"],
     &["collision", "primitive", "retarget"],
     &["shipped", "simulation"],
     &["feasibility"],

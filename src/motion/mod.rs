@@ -1,0 +1,43 @@
+//! [`Motion`]: what the robot side consumes, whether it comes from a Fourier series or from a recorded move.
+
+mod wave;
+
+pub use wave::WaveTube;
+
+use crate::fourier::{Derivative, Interval, Joints, State};
+
+/// A motion of a robot's joints over a stretch of time: a state at each instant, and rigorous bounds over intervals.
+///
+/// Time runs from 0 to [`duration`](Self::duration); a periodic motion is defined for every time and repeats.
+pub trait Motion: Sync {
+    /// Encloses the positions over intervals.
+    type Tube<'a>: Tube
+    where
+        Self: 'a;
+
+    /// The joints that move, in the order of every vector of numbers.
+    fn joints(&self) -> &Joints;
+
+    /// One period, or the time from start to end \[s\].
+    fn duration(&self) -> f64;
+
+    /// Whether the motion begins anew after its duration.
+    fn is_periodic(&self) -> bool;
+
+    /// Position to jerk at time `t` \[s\]. Panics when `state` was made for another number of joints.
+    fn state_into(&self, t: f64, state: &mut State);
+
+    /// An enclosure of a derivative of one joint over the whole motion.
+    fn range(&self, joint: usize, derivative: Derivative) -> Interval;
+
+    /// What encloses the positions over intervals; made once for many of them.
+    fn tube(&self) -> Self::Tube<'_>;
+}
+
+/// Encloses the positions of all joints over an interval of time.
+pub trait Tube {
+    /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\].
+    ///
+    /// The position is that at `middle`, as nearly as it can be computed; the radius covers what rounding does to it.
+    fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]);
+}
