@@ -147,7 +147,7 @@ pub use fourier::{
 };
 #[cfg(feature = "robot")]
 pub use geometry::{
-    Ball, BoundingCapsule, Convex, HalfSpace, Placed, Placement, Separation, Shape, SignedDistance,
+    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape, SignedDistance,
     Solid, Warm, intersects, separation, signed_distance,
 };
 #[cfg(feature = "robot")]
@@ -186,6 +186,8 @@ const _: () = {
     shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
+        shared::<Mesh>();
+        shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
         shared::<CollisionModel>();
