@@ -143,7 +143,7 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Shape, Solid};
+pub use geometry::{Ball, BoundingCapsule, Convex, Placed, Placement, Shape, Solid, distance};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
