@@ -147,8 +147,8 @@ pub use fourier::{
 };
 #[cfg(feature = "robot")]
 pub use geometry::{
-    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape, SignedDistance,
-    Solid, Warm, intersects, separation, signed_distance,
+    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape,
+    SignedDistance, Solid, Warm, intersects, separation, signed_distance,
 };
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
