@@ -27,7 +27,7 @@ pub enum Certification {
         /// What it took.
         work: Work,
     },
-    /// Refuted: at this time the pair is no farther apart than the margin.
+    /// Refuted: at this time the pair is no farther apart than the margin and a tenth of a nanometre.
     Collides {
         /// The witness.
         witness: Moment,

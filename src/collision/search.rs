@@ -11,8 +11,8 @@ use fearless_simd::{Level, Simd, dispatch};
 /// What falls by less than this \[m\] over an interval is not split any more: the answer hangs on less.
 const NARROWEST: f64 = 1e-9;
 
-/// Between a distance and the plane that proves it \[m\].
-const PLANE: f64 = 1e-10;
+/// Distances are told apart from here on \[m\]: between a distance and the plane that proves it, and between a margin and what breaks it.
+const FINEST: f64 = 1e-10;
 
 /// No more intervals are looked at; what is left is undecided.
 const MOST_INTERVALS: usize = 4_000_000;
@@ -334,7 +334,7 @@ impl<'m> Search<'m> {
                         above = signed_distance_with(simd, placed_a, placed_b, warm).distance;
                         // By the plane that this ended with.
                         below =
-                            separation_with(simd, placed_a, placed_b, warm, above - PLANE).lower;
+                            separation_with(simd, placed_a, placed_b, warm, above - FINEST).lower;
                     }
                     lower = lower.min(below);
                     upper = upper.min(above);
@@ -356,7 +356,7 @@ impl<'m> Search<'m> {
             ..at
         };
         match goal {
-            Goal::Above(margin) if upper <= margin => {
+            Goal::Above(margin) if upper <= margin + FINEST => {
                 found.upper = Some(witness);
                 return Narrowed::Refuted;
             }

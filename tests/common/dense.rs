@@ -31,6 +31,17 @@ pub fn parry_shape(shape: &Shape) -> (SharedShape, Isometry3<f64>) {
         Shape::Cylinder { radius, length } => {
             (SharedShape::cylinder(length / 2.0, *radius), upright)
         }
+        Shape::Hull(hull) => {
+            let points = hull
+                .vertices()
+                .iter()
+                .map(|v| Vector::new(v.x, v.y, v.z))
+                .collect();
+            (
+                SharedShape::convex_mesh(points, hull.faces()).expect("a hull"),
+                Isometry3::identity(),
+            )
+        }
         Shape::Capsule { radius, length } => (
             SharedShape::capsule_z(length / 2.0, *radius),
             Isometry3::identity(),
