@@ -158,7 +158,8 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, GRAVITY, Inertial, JointKind, JointProperties, Link, Robot,
+    Body, BodyJoint, Dynamics, EndEffector, GRAVITY, Group, Inconsistent, Inertial, JointKind,
+    JointProperties, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
