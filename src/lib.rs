@@ -143,7 +143,7 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Shape, Solid};
+pub use geometry::{Hull, Mesh, Shape, Solid};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
@@ -181,6 +181,8 @@ const _: () = {
     shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
+        shared::<Mesh>();
+        shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
         shared::<CollisionModel>();
