@@ -133,7 +133,7 @@ pub use {nalgebra, num_complex, rand};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certification, Checker, Clearance, CollisionModel, CollisionOptions, MinimumClearance, Moment,
-    Pair, PairStatus, Prover, Stretch, Work,
+    Pair, PairContacts, PairStatus, Prover, Scene, SceneObject, SceneShape, Stretch, Work,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
@@ -164,7 +164,8 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, GRAVITY, Inertial, JointKind, JointProperties, Link, Robot,
+    Body, BodyJoint, Dynamics, EndEffector, GRAVITY, Group, Inconsistent, Inertial, JointKind,
+    JointProperties, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};

@@ -163,7 +163,8 @@ fn status(status: &PairStatus) -> String {
         PairStatus::Checked => "checked".to_owned(),
         PairStatus::TouchingAtRest => "checked, touching at rest".to_owned(),
         PairStatus::Adjacent => "adjacent".to_owned(),
-        PairStatus::Rigid => "rigid".to_owned(),
+        PairStatus::Rigid { touching: false } => "rigid".to_owned(),
+        PairStatus::Rigid { touching: true } => "rigid, touching".to_owned(),
         PairStatus::Disabled { reason } => format!(
             "disabled by SRDF: {}",
             reason.as_deref().unwrap_or("no reason given")
