@@ -1,8 +1,9 @@
 //! What stands between a wave and its execution: limits of the joints, and self-collision.
 
-use crate::collision::{CollisionModel, MotionClearance};
+use crate::collision::{Certification, CollisionModel};
 use crate::error::Result;
-use crate::fourier::{Derivative, Interval, Wave};
+use crate::fourier::{Derivative, Interval};
+use crate::motion::Motion;
 use crate::robot::{JointKind, Robot};
 
 /// The range that a wave takes of a joint's position or velocity, beside the limit.
@@ -33,7 +34,7 @@ impl LimitUse {
 ///
 /// # Errors
 /// When the wave is not of the robot's joints.
-pub fn limits(robot: &Robot, wave: &Wave) -> Result<Vec<LimitUse>> {
+pub fn limits<M: Motion>(robot: &Robot, wave: &M) -> Result<Vec<LimitUse>> {
     robot.require_joints(wave.joints())?;
     let mut uses = Vec::new();
     for (_, joint) in robot.moving() {
@@ -74,20 +75,25 @@ pub fn limits(robot: &Robot, wave: &Wave) -> Result<Vec<LimitUse>> {
 pub struct Verdict {
     /// Every limit and its use.
     pub limits: Vec<LimitUse>,
-    /// Clearance along one period; not looked at when a limit is broken.
-    pub collision: Option<MotionClearance>,
+    /// Whether it keeps clear of itself; not looked at when a limit is broken.
+    pub collision: Option<Certification>,
 }
 
 impl Verdict {
-    /// Puts one period of `wave` through limits and, if they hold, self-collision on a grid of `step` \[m\].
+    /// Puts a motion through limits and, if they hold, the proof that every pair stays farther apart than `margin` \[m\].
     ///
     /// # Errors
-    /// Those of [`limits`] and [`CollisionModel::check_motion`].
-    pub fn of(robot: &Robot, collision: &CollisionModel, wave: &Wave, step: f64) -> Result<Self> {
+    /// Those of [`limits`] and [`CollisionModel::certify`].
+    pub fn of<M: Motion>(
+        robot: &Robot,
+        collision: &CollisionModel,
+        wave: &M,
+        margin: f64,
+    ) -> Result<Self> {
         let limits = limits(robot, wave)?;
         let within = limits.iter().all(|l| l.excess() == 0.0);
         let collision = if within {
-            Some(collision.check_motion(robot, wave, step)?)
+            Some(collision.certify(wave, margin, &[])?)
         } else {
             None
         };
@@ -99,19 +105,17 @@ impl Verdict {
         self.limits.iter().filter(|l| l.excess() > 0.0)
     }
 
-    /// Whether no limit is broken and no sample touches.
+    /// Whether no limit is broken and nothing touches, for certain.
     pub fn passes(&self) -> bool {
         self.broken().next().is_none()
-            && self
-                .collision
-                .as_ref()
-                .is_some_and(MotionClearance::is_free)
+            && self.collision.as_ref().is_some_and(Certification::is_clear)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fourier::Wave;
     use nalgebra::{dmatrix, dvector};
     use num_complex::Complex;
 

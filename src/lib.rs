@@ -33,7 +33,7 @@
 //! // Put draws on a robot until one keeps its limits and its distance.
 //! let robot = shipped::robot("wave_arm")?;
 //! let map = shipped::map("wave_arm_demonstrator")?;
-//! let collision = CollisionModel::new(&robot, &[])?;
+//! let collision = CollisionModel::new(&robot, &CollisionOptions::default())?;
 //! let mut draws = (0..).map(|k| map.apply(&large.sample(&mut stream(7, k)), &robot));
 //! let wave = loop {
 //!     let wave = draws.next().unwrap()?;
@@ -131,7 +131,10 @@ mod vectors;
 pub use {nalgebra, num_complex, rand};
 
 #[cfg(feature = "robot")]
-pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};
+pub use collision::{
+    Certification, Checker, Clearance, CollisionModel, CollisionOptions, MinimumClearance, Moment,
+    Pair, PairStatus, Prover, Stretch, Work,
+};
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
     Duration, Leakage, LeftOut, Recording, Variation, synthetic,
@@ -143,7 +146,10 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Ball, BoundingCapsule, Convex, Placed, Placement, Shape, Solid, distance};
+pub use geometry::{
+    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape,
+    SignedDistance, Solid, Warm, intersects, separation, signed_distance,
+};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
@@ -180,6 +186,8 @@ const _: () = {
     shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
+        shared::<Mesh>();
+        shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
         shared::<CollisionModel>();

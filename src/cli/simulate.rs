@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::robot::RobotArguments;
 use super::{Outcome, output, read_wave};
-use crate::collision::CollisionModel;
+use crate::collision::{CollisionModel, CollisionOptions};
 use crate::error::Result;
 use crate::feasibility::{LimitUse, limits};
 use crate::fourier::Derivative;
@@ -65,13 +65,15 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let rollout = track(&robot, &wave, &options)?;
     // What was achieved is looked at apart from what was commanded.
-    let contact = match CollisionModel::new(&robot, &[]) {
-        Ok(collision) => rollout.position.row_iter().enumerate().find_map(|(n, q)| {
-            let q: Vec<f64> = q.iter().copied().collect();
-            collision
-                .collision(&robot, &q)
-                .map(|pair| (rollout.times[n], pair.names.clone()))
-        }),
+    let contact = match CollisionModel::new(&robot, &CollisionOptions::default()) {
+        Ok(collision) => {
+            let mut checker = collision.checker();
+            rollout.position.row_iter().enumerate().find_map(|(n, q)| {
+                let q: Vec<f64> = q.iter().copied().collect();
+                let pair = checker.collision(&q);
+                pair.map(|pair| (rollout.times[n], pair.names.clone()))
+            })
+        }
         Err(error) => {
             output::warn(format!("self-collision is not looked at: {error}"));
             None

@@ -78,7 +78,8 @@ impl Wave {
         sum * (1.0 + self.slack())
     }
 
-    fn slack(&self) -> f64 {
+    /// What evaluation may lose, as a share of the harmonic sums.
+    pub(crate) fn slack(&self) -> f64 {
         ROUNDING * (self.harmonics() + 1) as f64
     }
 

@@ -85,6 +85,15 @@ impl Convex {
             [-0.5, 0.5].map(|end| pose.transform_point(&Point3::new(0.0, 0.0, end * length)))
         };
         match shape {
+            // The tolerance: by so much points may stick out of the hull of the vertices.
+            Shape::Hull(hull) => {
+                let vertices: Vec<Point3<f64>> = hull
+                    .vertices()
+                    .iter()
+                    .map(|vertex| pose.transform_point(vertex))
+                    .collect();
+                Self::from_points(&vertices, hull.tolerance())
+            }
             Shape::Sphere { radius } => {
                 Self::from_points(&[pose.translation.vector.into()], *radius)
             }

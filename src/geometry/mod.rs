@@ -1,10 +1,19 @@
 //! Shapes of links: primitives, convex hulls, meshes, and the distance between two of them.
 
+mod bounds;
 mod convex;
-pub mod distance;
+mod distance;
 mod enclosing;
+mod hull;
+mod mesh;
 mod shape;
 
 pub use convex::{Convex, Placed, Placement};
+pub use distance::{
+    HalfSpace, Separation, SignedDistance, Warm, intersects, separation, signed_distance,
+};
+pub(crate) use distance::{separation_with, signed_distance_with};
 pub use enclosing::{Ball, BoundingCapsule};
+pub use hull::Hull;
+pub use mesh::Mesh;
 pub use shape::{Shape, Solid};

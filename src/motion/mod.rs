@@ -6,6 +6,9 @@ pub use wave::WaveTube;
 
 use crate::fourier::{Derivative, Interval, Joints, State};
 
+/// Intervals that a [`Tube`] is asked about together: as many numbers as a vector of most processors holds.
+pub const LANES: usize = 4;
+
 /// A motion of a robot's joints over a stretch of time: a state at each instant, and rigorous bounds over intervals.
 ///
 /// Time runs from 0 to [`duration`](Self::duration); a periodic motion is defined for every time and repeats.
@@ -34,10 +37,33 @@ pub trait Motion: Sync {
     fn tube(&self) -> Self::Tube<'_>;
 }
 
-/// Encloses the positions of all joints over an interval of time.
+/// Encloses the positions of all joints over intervals of time.
 pub trait Tube {
-    /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\].
+    /// Appends intervals (middle, half width) \[s\] that cover the motion from 0 to its duration without a gap and suit it: few
+    /// enough to be quick, short enough that [`over_four`](Self::over_four) is tight. Neighbours share an end.
+    fn pieces(&self, pieces: &mut Vec<(f64, f64)>);
+
+    /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\],
+    /// and a few machine epsilons of the duration beyond, so that neighbours overlap whatever their ends were rounded to.
     ///
-    /// The position is that at `middle`, as nearly as it can be computed; the radius covers what rounding does to it.
+    /// The position is that at `middle`, as nearly as it can be computed; the radius covers what rounding does to it, and
+    /// goes to it as `half` goes to 0.
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]);
+
+    /// [`over`](Self::over) for four intervals at once, one row a joint: what is asked for in inner loops.
+    fn over_four(
+        &mut self,
+        middle: &[f64; LANES],
+        half: &[f64; LANES],
+        position: &mut [[f64; LANES]],
+        radius: &mut [[f64; LANES]],
+    ) {
+        let (mut q, mut r) = (vec![0.0; position.len()], vec![0.0; radius.len()]);
+        for lane in 0..LANES {
+            self.over(middle[lane], half[lane], &mut q, &mut r);
+            for joint in 0..q.len() {
+                (position[joint][lane], radius[joint][lane]) = (q[joint], r[joint]);
+            }
+        }
+    }
 }

@@ -46,8 +46,14 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
     let mut bodies: Vec<Body> = Vec::new();
     let mut placed: Vec<Link> = Vec::new();
     // Depth first in the order of the file, without recursion: chains may be long.
-    let mut open = vec![(root, None::<&urdf_rs::Joint>, 0, Isometry3::identity())];
-    while let Some((link, joint, parent, pose)) = open.pop() {
+    let mut open = vec![(
+        root,
+        None::<&urdf_rs::Joint>,
+        0,
+        Isometry3::identity(),
+        None,
+    )];
+    while let Some((link, joint, parent, pose, carrier)) = open.pop() {
         // `pose` is the link's frame in body `parent`, up to and including the joint's origin.
         let moving = joint.filter(|j| j.joint_type != JointType::Fixed);
         let (body, frame) = if placed.is_empty() || moving.is_some() {
@@ -71,15 +77,24 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
         } else {
             (parent, pose)
         };
-        add_link(&mut bodies[body], link, &frame, &colors, &mut notes)?;
+        let index = placed.len();
+        add_link(
+            &mut bodies[body],
+            (index, link),
+            &frame,
+            &colors,
+            &mut notes,
+        )?;
         placed.push(Link {
             name: link.name.clone(),
             body,
             pose: frame,
+            parent: carrier,
         });
         for joint in below.get(link.name.as_str()).into_iter().flatten().rev() {
             let origin = frame * isometry(&joint.origin);
-            open.push((links[joint.child.link.as_str()], Some(joint), body, origin));
+            let child = links[joint.child.link.as_str()];
+            open.push((child, Some(joint), body, origin, Some(index)));
         }
     }
 
@@ -179,7 +194,7 @@ fn joint_properties(joint: &urdf_rs::Joint, notes: &mut Vec<String>) -> JointPro
 
 fn add_link(
     body: &mut Body,
-    link: &urdf_rs::Link,
+    (index, link): (usize, &urdf_rs::Link),
     frame: &Isometry3<f64>,
     colors: &HashMap<&str, [f32; 3]>,
     notes: &mut Vec<String>,
@@ -193,6 +208,7 @@ fn add_link(
     let solid = |origin: &urdf_rs::Pose, shape: Shape, color| Solid {
         shape,
         pose: frame * isometry(origin),
+        link: index,
         color,
     };
     let before = body.collision.len();

@@ -120,6 +120,8 @@ pub struct Link {
     pub body: usize,
     /// The link's frame in the body's.
     pub pose: Isometry3<f64>,
+    /// Index of the link that carries it, through a joint of whatever kind; `None` for the root.
+    pub parent: Option<usize>,
 }
 
 impl Robot {
