@@ -30,8 +30,6 @@ pub(super) struct Penetration {
     pub(super) depth: f64,
     /// The unit vector n out of D at its nearest face: moving A by depth * n parts the cores.
     pub(super) normal: Vector3<f64>,
-    /// Points of A and of B; `None` when D is flat, and what the walk found serves.
-    pub(super) witnesses: Option<[Vector3<f64>; 2]>,
 }
 
 /// A vertex of D with the largest n . w, and that value.
@@ -43,27 +41,20 @@ pub(super) fn penetration(support: Support, start: &[Vertex], size: f64) -> Pene
     let corners = match fat(start).map_or_else(|| tetrahedron(support, tolerance), Ok) {
         Ok(corners) => corners,
         Err(normal) => {
-            return Penetration {
-                depth: 0.0,
-                normal,
-                witnesses: None,
-            };
+            return Penetration { depth: 0.0, normal };
         }
     };
     let mut polytope = Polytope::new(corners, COPLANAR * tolerance);
     let mut best = Penetration {
         depth: f64::INFINITY,
         normal: Vector3::x(),
-        witnesses: None,
     };
-    let mut last = polytope.faces[0];
     for _ in 0..STEPS {
         let Some(nearest) = polytope.nearest() else {
             break;
         };
         let face = polytope.faces[nearest];
         let (vertex, height) = support(&face.normal);
-        last = face;
         if height < best.depth {
             best.depth = height;
             best.normal = face.normal;
@@ -76,7 +67,6 @@ pub(super) fn penetration(support: Support, start: &[Vertex], size: f64) -> Pene
             polytope.faces[nearest].distance = f64::INFINITY;
         }
     }
-    best.witnesses = Some(polytope.witnesses(&last));
     best
 }
 

@@ -12,18 +12,23 @@ use crate::geometry::convex::{Core, dot, turn, turn_back};
 const RELATIVE: f64 = 1e-12;
 const ABSOLUTE: f64 = 1e-13;
 
+/// What rounding does to a squared distance.
+const ROUNDING: f64 = 1e-14;
+
+/// Steps that gain nothing, before it is over.
+const STALLS: usize = 3;
+
 /// Polytopes take 3 to 10 steps, discs some dozens.
 const STEPS: usize = 200;
 
 /// Where the walk ended.
 pub(super) struct Walk {
     pub(super) simplex: Simplex,
-    /// From A's nearest point to B's; not of use when `inside`.
-    pub(super) v: Vector3<f64>,
-    /// Its length \[m\].
+    /// The distance of the simplex from the origin \[m\]; not of use when `inside`.
     pub(super) norm: f64,
-    /// The highest value of a separating plane met, without any slack.
+    /// The highest value of a separating plane met, without any slack, and its unit vector from A to B.
     pub(super) lower: f64,
+    pub(super) normal: Vector3<f64>,
     /// The distance of two points that are in the cores.
     pub(super) upper: f64,
     /// Whether the origin is in the simplex, or no farther from it than rounding can tell.
@@ -36,7 +41,7 @@ impl Walk {
     pub(super) fn apart(&self) -> Nearest {
         Nearest {
             distance: self.norm,
-            normal: self.v / self.norm,
+            normal: self.normal,
             points: self.simplex.witnesses(),
         }
     }
@@ -53,9 +58,9 @@ pub(super) fn walk<S: Simd>(
 ) -> Walk {
     let mut walk = Walk {
         simplex: warm.simplex(cores, relative),
-        v: Vector3::zeros(),
         norm: f64::INFINITY,
         lower: f64::NEG_INFINITY,
+        normal: Vector3::x(),
         upper: f64::INFINITY,
         inside: false,
     };
@@ -63,26 +68,28 @@ pub(super) fn walk<S: Simd>(
         let u = warm.direction_or(relative);
         let (vertex, value) = support(simd, cores, relative, &u);
         walk.lower = value;
-        warm.direction = u;
+        walk.normal = u;
         walk.simplex.push(vertex);
     }
     let mut square = f64::INFINITY;
+    let mut stalls = 0;
     for _ in 0..STEPS {
-        let nearest = match walk.simplex.closest() {
+        let nearest = match walk.simplex.closest(walk.lower > 0.0) {
             Closest::Inside => {
                 walk.inside = true;
                 break;
             }
             Closest::At(nearest) => nearest,
         };
-        if nearest.square >= square {
+        // Near the end the square no longer shows what the direction still gains.
+        if nearest.square > square * (1.0 + ROUNDING) {
             walk.simplex.pop();
             break;
         }
-        square = nearest.square;
+        let nearer = nearest.square < square;
+        square = square.min(nearest.square);
         walk.simplex.keep(&nearest);
-        walk.v = nearest.v;
-        walk.norm = square.sqrt();
+        walk.norm = nearest.square.sqrt();
         if walk.norm <= NOTHING * relative.size {
             walk.inside = true;
             break;
@@ -94,20 +101,25 @@ pub(super) fn walk<S: Simd>(
         } else {
             walk.norm
         };
-        let u = walk.v / walk.norm;
+        let u = nearest.v / walk.norm;
         let (vertex, value) = support(simd, cores, relative, &u);
+        if value <= walk.lower && !nearer {
+            stalls += 1;
+        }
         if value > walk.lower {
             walk.lower = value;
-            warm.direction = u;
+            walk.normal = u;
         }
-        if walk.norm - value <= RELATIVE * walk.norm + ABSOLUTE
+        if walk.norm - walk.lower <= RELATIVE * walk.norm + ABSOLUTE
             || enough(walk.lower, walk.upper)
+            || stalls > STALLS
             || is_among(walk.simplex.vertices(), &vertex)
         {
             break;
         }
         walk.simplex.push(vertex);
     }
+    warm.direction = walk.normal;
     warm.remember(&walk.simplex);
     walk
 }

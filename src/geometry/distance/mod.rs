@@ -7,20 +7,22 @@
 mod epa;
 mod gjk;
 mod half_space;
+mod overlap;
 mod polytope;
+mod rough;
 mod segments;
 mod simplex;
 mod support;
+mod warm;
 
 use fearless_simd::{Level, Simd, dispatch};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 pub use half_space::HalfSpace;
+pub use rough::rough_separation;
+pub use warm::Warm;
 
-use self::gjk::Walk;
-use self::simplex::{Simplex, Vertex};
-use self::support::SMOOTH;
-use super::convex::{Core, Placed, dot, turn, turn_back};
+use super::convex::{Placed, dot, turn, turn_back};
 
 /// What rounding can do to the value of a plane, relative to the coordinates it is computed from.
 ///
@@ -34,28 +36,6 @@ pub(crate) const SLACK: f64 = 160.0 * f64::EPSILON;
 
 /// A distance of cores that is rounding alone, relative to the coordinates it is computed from.
 const NOTHING: f64 = 1e-15;
-
-/// Where the last question about a pair ended: the next one starts there.
-///
-/// Any value is sound with any pair and any pose. What belongs to another pair only makes the first step a poor one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Warm {
-    /// From A to B, in A's frame; zero when nothing is known.
-    direction: Vector3<f64>,
-    /// Numbers of the vertices that were nearest.
-    ids: [[u32; 2]; 3],
-    len: usize,
-}
-
-impl Default for Warm {
-    fn default() -> Self {
-        Self {
-            direction: Vector3::zeros(),
-            ids: [[0; 2]; 3],
-            len: 0,
-        }
-    }
-}
 
 /// Bounds of a signed distance \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +67,7 @@ struct Nearest {
 }
 
 /// B's frame in A's.
+#[derive(Clone, Copy)]
 struct Relative {
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
@@ -128,26 +109,23 @@ pub(crate) fn separation_with<S: Simd>(
     let slack = slack(a, b, &offset);
     if warm.direction != Vector3::zeros() {
         let lower = plane(simd, a, b, &offset, &warm.direction) - margins - slack;
-        if lower > threshold && slack.is_finite() {
+        if lower > threshold && lower.is_finite() {
             return Separation {
                 lower,
                 upper: f64::INFINITY,
             };
         }
     }
-    if !slack.is_finite() {
+    let relative = Relative::new(a, b, &offset);
+    if !relative.is_finite() {
         return Separation::checked(f64::NAN, f64::NAN);
     }
-    let relative = Relative::new(a, b, &offset);
     let cores = [a.convex.core(), b.convex.core()];
     if let Some(ends) = segments::ends(cores, &relative) {
         let nearest = segments::nearest(ends, relative.size);
         warm.direction = nearest.normal;
         let lower = segments::plane(ends, &nearest.normal);
-        return Separation {
-            lower: lower - margins - slack,
-            upper: nearest.distance - margins + slack,
-        };
+        return Separation::checked(lower - margins - slack, nearest.distance - margins + slack);
     }
     let walk = gjk::walk(simd, cores, &relative, warm, |lower, upper| {
         lower - margins - slack > threshold || upper - margins + slack <= threshold
@@ -168,7 +146,13 @@ fn plane<S: Simd>(simd: S, a: Placed, b: Placed, offset: &Vector3<f64>, u: &Vect
 #[inline(always)]
 fn slack(a: Placed, b: Placed, offset: &Vector3<f64>) -> f64 {
     let reach = a.convex.reach() + b.convex.reach();
-    SLACK * (offset.x.abs() + offset.y.abs() + offset.z.abs() + reach)
+    SLACK * size(offset, reach)
+}
+
+/// That of the coordinates \[m\]: not so small that the square of what is no rounding of it has lost digits.
+#[inline(always)]
+fn size(offset: &Vector3<f64>, reach: f64) -> f64 {
+    offset.x.abs() + offset.y.abs() + offset.z.abs() + reach + 1e-100
 }
 
 /// [`signed_distance`], for who has dispatched already.
@@ -180,14 +164,14 @@ pub(crate) fn signed_distance_with<S: Simd>(
     warm: &mut Warm,
 ) -> SignedDistance {
     let offset = b.placement.translation - a.placement.translation;
-    if !slack(a, b, &offset).is_finite() {
+    let relative = Relative::new(a, b, &offset);
+    if !relative.is_finite() {
         return SignedDistance {
             distance: f64::NEG_INFINITY,
             points: [Point3::origin(); 2],
             normal: Vector3::x(),
         };
     }
-    let relative = Relative::new(a, b, &offset);
     let cores = [a.convex.core(), b.convex.core()];
     let found = if let Some(ends) = segments::ends(cores, &relative) {
         let nearest = segments::nearest(ends, relative.size);
@@ -198,7 +182,7 @@ pub(crate) fn signed_distance_with<S: Simd>(
         if !walk.inside && walk.lower > 0.0 {
             walk.apart()
         } else {
-            overlap(cores, &relative, walk, warm)
+            overlap::overlap(cores, &relative, &walk, warm)
         }
     };
     let margins = [a.convex.margin(), b.convex.margin()];
@@ -214,39 +198,15 @@ pub(crate) fn signed_distance_with<S: Simd>(
     }
 }
 
-/// Of cores that a walk did not part.
-#[inline(never)]
-fn overlap(cores: [&Core; 2], relative: &Relative, mut walk: Walk, warm: &mut Warm) -> Nearest {
-    let level = Level::new();
-    // The polytope's normals point out of B - A, against the way from A to B.
-    let mut support = |n: &Vector3<f64>| -> (Vertex, f64) {
-        let u = -n;
-        let (vertex, value) = dispatch!(level, simd => gjk::support(simd, cores, relative, &u));
-        (vertex, -value)
-    };
-    let found = epa::penetration(&mut support, walk.simplex.vertices(), relative.size);
-    if !walk.inside && !(found.depth > -walk.norm) {
-        // The walk was right: they are apart.
-        return walk.apart();
-    }
-    walk.simplex.flatten();
-    warm.direction = -found.normal;
-    Nearest {
-        distance: -found.depth,
-        normal: -found.normal,
-        points: found.witnesses.unwrap_or_else(|| walk.simplex.witnesses()),
-    }
-}
-
 impl Separation {
     /// Nothing is known where a number is none.
     #[inline(always)]
     fn checked(lower: f64, upper: f64) -> Self {
         Self {
-            lower: if lower.is_nan() {
-                f64::NEG_INFINITY
-            } else {
+            lower: if lower.is_finite() {
                 lower
+            } else {
+                f64::NEG_INFINITY
             },
             upper: if upper.is_nan() { f64::INFINITY } else { upper },
         }
@@ -265,56 +225,15 @@ impl Relative {
         let translation = turn_back(ra, offset);
         let reach = a.convex.reach() + b.convex.reach();
         Self {
-            size: translation.x.abs() + translation.y.abs() + translation.z.abs() + reach,
+            size: size(&translation, reach),
             way: turn(&rotation, &b.convex.ball().center) + translation - a.convex.ball().center,
             rotation,
             translation,
         }
     }
-}
-
-impl Warm {
-    /// What was nearest last time, where it is now.
+    /// Not so when a placement has a number that is none.
     #[inline(always)]
-    fn simplex(&self, cores: [&Core; 2], relative: &Relative) -> Simplex {
-        let mut simplex = Simplex::empty();
-        if let [Core::Points(a), Core::Points(b)] = cores {
-            for ids in &self.ids[..self.len.min(3)] {
-                let (p, q) = (a.get(ids[0] as usize), b.get(ids[1] as usize));
-                let q = turn(&relative.rotation, &q) + relative.translation;
-                simplex.push(Vertex {
-                    w: q - p,
-                    a: p,
-                    b: q,
-                    ids: *ids,
-                });
-            }
-        }
-        simplex
-    }
-
-    #[inline(always)]
-    fn remember(&mut self, simplex: &Simplex) {
-        let vertices = simplex.vertices();
-        self.len = 0;
-        if vertices.len() <= 3 && vertices.iter().all(|v| !v.ids.contains(&SMOOTH)) {
-            for (ids, vertex) in self.ids.iter_mut().zip(vertices) {
-                *ids = vertex.ids;
-            }
-            self.len = vertices.len();
-        }
-    }
-
-    #[inline(always)]
-    fn direction_or(&self, relative: &Relative) -> Vector3<f64> {
-        if self.direction != Vector3::zeros() {
-            return self.direction;
-        }
-        let length = dot(&relative.way, &relative.way).sqrt();
-        if length > 0.0 {
-            relative.way / length
-        } else {
-            Vector3::x()
-        }
+    fn is_finite(&self) -> bool {
+        (self.size + self.rotation.iter().sum::<f64>()).is_finite()
     }
 }

@@ -80,19 +80,6 @@ impl Polytope {
         best.1
     }
 
-    /// Points of A and B at the foot of the origin on the face, or as near to it as the face goes.
-    pub(super) fn witnesses(&self, face: &Face) -> [Vector3<f64>; 2] {
-        let corners = face.corners.map(|c| self.vertices[c]);
-        let mut simplex = super::simplex::Simplex::empty();
-        for corner in corners {
-            simplex.push(corner);
-        }
-        if let super::simplex::Closest::At(nearest) = simplex.closest() {
-            simplex.keep(&nearest);
-        }
-        simplex.witnesses()
-    }
-
     fn face(&self, corners: [usize; 3], neighbours: [usize; 3]) -> Option<Face> {
         let [p, q, r] = corners.map(|c| self.vertices[c].w);
         let normal = (q - p).cross(&(r - p));

@@ -8,6 +8,9 @@ use crate::geometry::convex::{Core, dot, perpendiculars, turn};
 /// A squared sine below which segments count as parallel.
 const PARALLEL: f64 = 1e-28;
 
+/// A vector shorter than this has lost digits in its square.
+const SHORTEST: f64 = 1e-140;
+
 /// Ends of A's core and of B's.
 pub(super) type Ends = [[Vector3<f64>; 2]; 2];
 
@@ -54,15 +57,15 @@ pub(super) fn nearest(ends: Ends, size: f64) -> Nearest {
         };
         return Nearest {
             distance,
-            normal: across.try_normalize(0.0).unwrap_or(way / distance),
+            normal: across.try_normalize(SHORTEST).unwrap_or(way / distance),
             points: [p, q],
         };
     }
     // They cross, or are one in the other: out of both, if there is such a way.
     let longer = if dot(&d, &d) > dot(&e, &e) { d } else { e };
-    let normal = d.cross(&e).try_normalize(0.0).or_else(|| {
+    let normal = d.cross(&e).try_normalize(SHORTEST).or_else(|| {
         longer
-            .try_normalize(0.0)
+            .try_normalize(SHORTEST)
             .map(|axis| perpendiculars(&axis)[0])
     });
     Nearest {

@@ -94,17 +94,6 @@ impl Simplex {
         self.len = nearest.len;
     }
 
-    /// Keeps the nearest face of a tetrahedron, wherever the origin is.
-    pub(super) fn flatten(&mut self) {
-        if self.len < 4 {
-            return;
-        }
-        let w = |i: usize| &self.vertices[i].w;
-        let faces = [[0, 1, 3], [0, 2, 3], [1, 2, 3]].map(|[i, j, k]| triangle(w, i, j, k));
-        let nearest = faces.into_iter().fold(triangle(w, 0, 1, 2), nearer);
-        self.keep(&nearest);
-    }
-
     /// The nearest points of A and of B by the weights.
     #[inline(always)]
     pub(super) fn witnesses(&self) -> [Vector3<f64>; 2] {
@@ -116,14 +105,15 @@ impl Simplex {
         [a, b]
     }
 
+    /// `outside`: the origin is known to be outside, whatever rounding makes of a flat tetrahedron.
     #[inline(always)]
-    pub(super) fn closest(&self) -> Closest {
+    pub(super) fn closest(&self, outside: bool) -> Closest {
         let w = |i: usize| &self.vertices[i].w;
         match self.len {
             0 | 1 => Closest::At(point(w(0), 0)),
             2 => Closest::At(segment(w, 0, 1)),
             3 => Closest::At(triangle(w, 0, 1, 2)),
-            _ => tetrahedron(w),
+            _ => tetrahedron(w, outside),
         }
     }
 }
@@ -216,7 +206,7 @@ fn triangle<'a>(
 }
 
 #[inline(always)]
-fn tetrahedron<'a>(w: impl Fn(usize) -> &'a Vector3<f64> + Copy) -> Closest {
+fn tetrahedron<'a>(w: impl Fn(usize) -> &'a Vector3<f64> + Copy, outside: bool) -> Closest {
     let mut best: Option<Nearest> = None;
     for [i, j, k, opposite] in [[0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0], [0, 1, 2, 3]] {
         let (p, e, f) = (w(i), w(j) - w(i), w(k) - w(i));
@@ -233,5 +223,12 @@ fn tetrahedron<'a>(w: impl Fn(usize) -> &'a Vector3<f64> + Copy) -> Closest {
             });
         }
     }
-    best.map_or(Closest::Inside, Closest::At)
+    match best {
+        Some(best) => Closest::At(best),
+        None if outside => {
+            let faces = [[0, 1, 3], [0, 2, 3], [1, 2, 3]].map(|[i, j, k]| triangle(w, i, j, k));
+            Closest::At(faces.into_iter().fold(triangle(w, 0, 1, 2), nearer))
+        }
+        None => Closest::Inside,
+    }
 }
