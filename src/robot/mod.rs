@@ -12,6 +12,7 @@ mod lint;
 mod load;
 mod meshes;
 mod mimics;
+mod missing;
 mod reduce;
 mod srdf;
 mod tips;
