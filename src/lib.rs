@@ -143,7 +143,7 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Hull, Mesh, Shape, Solid};
+pub use geometry::{Decomposition, Enclosure, Hull, Mesh, Shape, Solid};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
