@@ -158,7 +158,8 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, GRAVITY, Inertial, JointKind, JointProperties, Link, Robot,
+    Body, BodyJoint, Dynamics, Frame, GRAVITY, Inertial, JointKind, JointProperties, Kinematics,
+    Link, Robot, Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
@@ -182,6 +183,7 @@ const _: () = {
     {
         shared::<Robot>();
         shared::<Dynamics>();
+        shared::<Kinematics>();
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();

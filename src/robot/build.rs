@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::{Geometry, JointType};
 
+use super::kinematics::Step;
 use super::{Body, BodyJoint, Inertial, JointKind, JointProperties, Link, Robot};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Joints};
@@ -98,6 +99,7 @@ pub(super) fn build(urdf: &urdf_rs::Robot) -> Result<Robot> {
         name: urdf.name.clone(),
         joints,
         commanded,
+        steps: bodies.iter().map(Step::new).collect(),
         bodies,
         links: placed,
         notes,

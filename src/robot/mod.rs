@@ -9,6 +9,8 @@ mod urdf;
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use dynamics::{Dynamics, GRAVITY};
+use kinematics::Step;
+pub use kinematics::{Frame, Kinematics, Twist};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Joints};
@@ -32,6 +34,8 @@ pub struct Robot {
     /// For each joint, the body that it moves.
     commanded: Vec<usize>,
     bodies: Vec<Body>,
+    /// What the recursions of kinematics and dynamics need of each body.
+    steps: Vec<Step>,
     links: Vec<Link>,
     notes: Vec<String>,
 }
@@ -164,6 +168,16 @@ impl Robot {
         &self.links
     }
 
+    /// # Errors
+    /// When no link has this name.
+    pub fn link(&self, name: &str) -> Result<&Link> {
+        self.links.iter().find(|l| l.name == name).ok_or_else(|| {
+            Error::new(ErrorKind::Name, format!("no link `{name}`"))
+                .expected(format!("one of the robot's {} links", self.links.len()))
+                .at(format!("robot `{}`", self.name))
+        })
+    }
+
     /// Whether a joint is commanded itself, and does not mimic another.
     pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
         self.joints.name(joint.index) == joint.name
@@ -212,8 +226,7 @@ impl Robot {
                 return refuse(format!("link `{}` moves and has no mass", body.name));
             }
         }
-        let mut dynamics = Dynamics::new(self);
-        let diagonal = dynamics.mass_diagonal(self, &self.rest());
+        let diagonal = dynamics::mass_diagonal(self, &self.rest());
         for (name, inertia) in self.joints.iter().zip(diagonal) {
             if inertia < LEAST_INERTIA {
                 return refuse(format!(
