@@ -55,7 +55,7 @@ proptest! {
     #[test]
     fn matrices_and_quaternions_put_links_in_one_place(text in trees(1..=8), seed: u64) {
         let robot = Robot::from_urdf(&text).unwrap();
-        // Beyond the range of the own sine too.
+        // Hundreds of turns too.
         let [small] = random::<1>(&robot, seed);
         for q in [&small * 3.0, &small * 2000.0] {
             for (link, pose) in robot.link_poses(q.as_slice()).iter().enumerate() {

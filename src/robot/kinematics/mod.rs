@@ -62,8 +62,8 @@ impl Robot {
         }
     }
 
-    /// The same poses as rotation matrices, which take half the time; `frames` has one entry a body. Panics for another
-    /// number of entries, and when `q` has not one entry a joint.
+    /// The same poses as rotation matrices, which is what distances and Jacobians want; `frames` has one entry a body.
+    /// Panics for another number of entries, and when `q` has not one entry a joint.
     pub fn body_frames_into(&self, q: &[f64], frames: &mut [Frame]) {
         assert_eq!(q.len(), self.joints.len(), "one position a joint");
         assert_eq!(frames.len(), self.steps.len(), "one frame a body");

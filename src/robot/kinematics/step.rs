@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use crate::elementary;
 use crate::robot::dynamics::SpatialInertia;
 use crate::robot::{Body, JointKind};
 
@@ -123,7 +122,7 @@ impl Step {
         let position = self.multiplier * q[self.index] + self.offset;
         match self.kind {
             JointKind::Revolute => {
-                let (sin, cos) = sin_cos(position);
+                let (sin, cos) = libm::sincos(position);
                 Frame {
                     rotation: self.fixed + self.sine * sin + self.cosine * cos,
                     origin: self.origin,
@@ -134,15 +133,5 @@ impl Step {
                 origin: self.origin + self.shift * position,
             },
         }
-    }
-}
-
-/// The branch-free kernel where it holds, `libm` for the arms that turned a hundred times.
-#[inline]
-fn sin_cos(x: f64) -> (f64, f64) {
-    if x.abs() <= elementary::LARGEST {
-        elementary::sin_cos(x)
-    } else {
-        libm::sincos(x)
     }
 }
