@@ -143,7 +143,7 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Shape, Solid};
+pub use geometry::{Hull, Mesh, Shape, Solid};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
@@ -158,8 +158,9 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, Frame, GRAVITY, Inertial, JointKind, JointProperties, Kinematics,
-    Link, Robot, Twist,
+    Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
+    Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
@@ -181,6 +182,8 @@ const _: () = {
     shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {
+        shared::<Mesh>();
+        shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
         shared::<Kinematics>();

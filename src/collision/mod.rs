@@ -2,7 +2,7 @@
 
 mod motion;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
@@ -10,7 +10,7 @@ use parry3d::shape::SharedShape;
 pub use motion::MotionClearance;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::geometry::{Shape, Solid};
+use crate::geometry::{Hull, Shape, Solid};
 use crate::robot::Robot;
 
 /// Why a pair of bodies is checked or not.
@@ -260,6 +260,7 @@ impl Part {
                 SharedShape::capsule_z(length / 2.0, *radius),
                 Isometry3::identity(),
             ),
+            Shape::Hull(hull) => (polyhedron(hull), Isometry3::identity()),
         };
         Self {
             shape,
@@ -273,6 +274,19 @@ impl Part {
         let gap = (placed.translation - other_placed.translation).length();
         gap - self.radius - other.radius > distance
     }
+}
+
+/// A hull; a capsule around it where parry makes no polyhedron of it (flat ones).
+fn polyhedron(hull: &Hull) -> SharedShape {
+    let point = |p: &Point3<f64>| Vector::new(p.x, p.y, p.z);
+    let vertices = hull.vertices().iter().map(point).collect();
+    let solid = (!hull.is_flat())
+        .then(|| SharedShape::convex_mesh(vertices, hull.faces()))
+        .flatten();
+    solid.unwrap_or_else(|| {
+        let (a, b, radius) = hull.bounding_capsule();
+        SharedShape::capsule(point(&a), point(&b), radius)
+    })
 }
 
 /// parry speaks glam.

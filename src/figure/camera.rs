@@ -8,6 +8,9 @@ use crate::geometry::Shape;
 /// Nearer than this nothing is seen, m.
 pub(crate) const NEAR: f64 = 1e-3;
 
+/// Half the thickness of what has none, m.
+pub(crate) const SHEET: f64 = 5e-4;
+
 /// A camera: the ray of a place in the picture is `eye + t * direction`, with the depth `t` in
 /// metres along the optical axis.
 #[derive(Debug, Clone, Copy)]
@@ -101,22 +104,31 @@ impl Camera {
     }
 }
 
-/// Half of the edges of the box around a shape in its own frame, m.
-pub(crate) fn half_extents(shape: &Shape) -> Vector3<f64> {
-    match *shape {
-        Shape::Box { half_extents } => half_extents,
-        Shape::Sphere { radius } => Vector3::repeat(radius),
-        Shape::Cylinder { radius, length } => Vector3::new(radius, radius, 0.5 * length),
-        Shape::Capsule { radius, length } => Vector3::new(radius, radius, 0.5 * length + radius),
-    }
+/// Middle and half of the edges of the box around a shape in its own frame, m.
+pub(crate) fn box_around(shape: &Shape) -> (Vector3<f64>, Vector3<f64>) {
+    let half = match shape {
+        Shape::Box { half_extents } => *half_extents,
+        Shape::Sphere { radius } => Vector3::repeat(*radius),
+        Shape::Cylinder { radius, length } => Vector3::new(*radius, *radius, 0.5 * length),
+        Shape::Capsule { radius, length } => Vector3::new(*radius, *radius, 0.5 * length + radius),
+        Shape::Hull(hull) => {
+            let corners = || hull.vertices().iter().map(|v| v.coords);
+            let low = corners().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));
+            let high = corners().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(&b));
+            // Flat ones are drawn as sheets.
+            let half = (0.5 * (high - low)).sup(&Vector3::repeat(SHEET));
+            return (0.5 * (low + high), half);
+        }
+    };
+    (Vector3::zeros(), half)
 }
 
 /// The corners of the box around a placed shape, in the frame of `pose`'s parent.
 pub(crate) fn corners(shape: &Shape, pose: &Isometry3<f64>) -> [Point3<f64>; 8] {
-    let half = half_extents(shape);
+    let (middle, half) = box_around(shape);
     std::array::from_fn(|index| {
         let sign = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
         let corner = Vector3::new(sign(0), sign(1), sign(2)).component_mul(&half);
-        pose * Point3::from(corner)
+        pose * Point3::from(middle + corner)
     })
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::figure::camera::{NEAR, half_extents};
+use crate::figure::camera::{NEAR, box_around};
 use crate::figure::layer::BACKGROUND;
 use crate::figure::robot_view::Solid;
 
@@ -26,12 +26,12 @@ impl Ground {
         // A shadow is the sum of those of points within the solids, each the softer the higher.
         let mut points = Vec::new();
         for solid in solids {
-            let half = half_extents(&solid.shape);
+            let (middle, half) = box_around(&solid.shape);
             for index in 0..27 {
                 let cell = |bit: usize| (index / 3_usize.pow(bit as u32) % 3) as f64 - 1.0;
                 let offset = Vector3::new(cell(0), cell(1), cell(2)).component_mul(&half) * 0.67;
                 let size = half.norm() / 3.0;
-                points.push((solid.pose * Point3::from(offset), size));
+                points.push((solid.pose * Point3::from(middle + offset), size));
             }
         }
         let count = points.len().max(1) as f64;

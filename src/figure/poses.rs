@@ -155,7 +155,7 @@ fn solids(visual: &[geometry::Solid], body: &Isometry3<f64>) -> Vec<Solid> {
     visual
         .iter()
         .map(|solid| Solid {
-            shape: solid.shape,
+            shape: solid.shape.clone(),
             pose: body * solid.pose,
             color: solid.color.map_or(PLAIN, |rgb| {
                 let [r, g, b] = rgb.map(|c| (c * 255.0).round() as u8);

@@ -2,13 +2,37 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::figure::camera::{Camera, NEAR};
+use crate::figure::camera::{Camera, NEAR, SHEET};
 use crate::geometry::Shape;
+
+/// What a ray may meet.
+#[derive(Debug, Clone)]
+enum Form {
+    /// Any but a hull.
+    Primitive(Shape),
+    /// {x : n . x <= d} for all (n, d).
+    HalfSpaces(Vec<(Vector3<f64>, f64)>),
+}
+
+impl Form {
+    fn new(shape: &Shape) -> Self {
+        match shape {
+            Shape::Hull(hull) => {
+                let mut planes = hull.planes();
+                if hull.is_flat() {
+                    planes.iter_mut().for_each(|(_, d)| *d += SHEET);
+                }
+                Self::HalfSpaces(planes)
+            }
+            primitive => Self::Primitive(primitive.clone()),
+        }
+    }
+}
 
 /// A shape as the camera sees it.
 #[derive(Debug, Clone)]
 pub(crate) struct Target {
-    shape: Shape,
+    form: Form,
     /// Axes of the shape's frame in the world. Not a matrix, whose general product takes most
     /// of the time of a picture.
     axes: [Vector3<f64>; 3],
@@ -22,16 +46,16 @@ pub(crate) struct Target {
 impl Target {
     /// `shape` at `pose` in the world, for a picture of `size` samples.
     pub(crate) fn new(
-        shape: Shape,
+        shape: &Shape,
         pose: &Isometry3<f64>,
         camera: &Camera,
         size: (usize, usize),
     ) -> Self {
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| pose.rotation * axis);
         let eye = pose.inverse_transform_point(&camera.eye).coords;
-        let (columns, rows) = camera.span(&shape, pose, size);
+        let (columns, rows) = camera.span(shape, pose, size);
         Self {
-            shape,
+            form: Form::new(shape),
             axes,
             eye,
             columns,
@@ -48,11 +72,15 @@ impl Target {
     /// Depth at which a ray with the local `direction` enters the shape; infinite if never.
     pub(crate) fn depth(&self, direction: &Vector3<f64>) -> f64 {
         let (eye, d) = (&self.eye, direction);
-        let depth = match self.shape {
-            Shape::Box { half_extents } => enter_box(eye, d, &half_extents),
-            Shape::Sphere { radius } => enter_ball(eye, d, radius),
-            Shape::Cylinder { radius, length } => enter_cylinder(eye, d, radius, 0.5 * length),
-            Shape::Capsule { radius, length } => enter_capsule(eye, d, radius, 0.5 * length),
+        let depth = match &self.form {
+            Form::Primitive(shape) => match shape {
+                Shape::Box { half_extents } => enter_box(eye, d, half_extents),
+                Shape::Sphere { radius } => enter_ball(eye, d, *radius),
+                Shape::Cylinder { radius, length } => enter_cylinder(eye, d, *radius, 0.5 * length),
+                Shape::Capsule { radius, length } => enter_capsule(eye, d, *radius, 0.5 * length),
+                Shape::Hull(_) => f64::INFINITY,
+            },
+            Form::HalfSpaces(planes) => enter_all(eye, d, planes),
         };
         // Comparisons with NaN are false.
         if depth > NEAR { depth } else { f64::INFINITY }
@@ -62,24 +90,36 @@ impl Target {
     /// the surface.
     pub(crate) fn normal(&self, direction: &Vector3<f64>, depth: f64) -> Vector3<f64> {
         let point = self.eye + depth * direction;
-        let normal = match self.shape {
-            Shape::Box { half_extents } => box_normal(&point, &half_extents),
-            Shape::Sphere { radius } => point / radius,
-            Shape::Cylinder { radius, length } => {
-                if point.xy().norm() / radius > point.z.abs() / (0.5 * length) {
-                    Vector3::new(point.x, point.y, 0.0) / radius
-                } else {
-                    Vector3::new(0.0, 0.0, point.z.signum())
-                }
-            }
-            Shape::Capsule { radius, length } => {
-                let half = 0.5 * length;
-                let along = point.z.clamp(-half, half);
-                Vector3::new(point.x, point.y, point.z - along) / radius
+        let normal = match &self.form {
+            Form::Primitive(shape) => primitive_normal(shape, &point),
+            Form::HalfSpaces(planes) => {
+                let over = |(n, d): &(Vector3<f64>, f64)| n.dot(&point) - d;
+                let face = planes.iter().max_by(|p, q| over(p).total_cmp(&over(q)));
+                face.map_or(Vector3::zeros(), |(n, _)| *n)
             }
         };
         let [x, y, z] = &self.axes;
         normal.x * x + normal.y * y + normal.z * z
+    }
+}
+
+fn primitive_normal(shape: &Shape, point: &Vector3<f64>) -> Vector3<f64> {
+    match *shape {
+        Shape::Box { half_extents } => box_normal(point, &half_extents),
+        Shape::Sphere { radius } => point / radius,
+        Shape::Cylinder { radius, length } => {
+            if point.xy().norm() / radius > point.z.abs() / (0.5 * length) {
+                Vector3::new(point.x, point.y, 0.0) / radius
+            } else {
+                Vector3::new(0.0, 0.0, point.z.signum())
+            }
+        }
+        Shape::Capsule { radius, length } => {
+            let half = 0.5 * length;
+            let along = point.z.clamp(-half, half);
+            Vector3::new(point.x, point.y, point.z - along) / radius
+        }
+        Shape::Hull(_) => Vector3::zeros(),
     }
 }
 
@@ -169,6 +209,25 @@ fn enter_box(eye: &Vector3<f64>, d: &Vector3<f64>, half: &Vector3<f64>) -> f64 {
     if enter > leave { f64::INFINITY } else { enter }
 }
 
+/// Without half-spaces there is nothing to enter.
+fn enter_all(eye: &Vector3<f64>, d: &Vector3<f64>, planes: &[(Vector3<f64>, f64)]) -> f64 {
+    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (n, distance) in planes {
+        let (speed, gap) = (n.dot(d), distance - n.dot(eye));
+        if speed < 0.0 {
+            enter = enter.max(gap / speed);
+        } else if speed > 0.0 {
+            leave = leave.min(gap / speed);
+        } else if gap < 0.0 {
+            return f64::INFINITY;
+        }
+        if enter > leave {
+            return f64::INFINITY;
+        }
+    }
+    enter
+}
+
 /// Part of a box's smallest half extent over which its edges look rounded.
 const BEVEL: f64 = 0.3;
 
@@ -193,6 +252,7 @@ fn box_normal(point: &Vector3<f64>, half: &Vector3<f64>) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Hull;
 
     /// Whether a point in the shape's frame is inside it.
     fn inside(shape: &Shape, p: &Vector3<f64>) -> bool {
@@ -206,7 +266,15 @@ mod tests {
                 let along = p.z.clamp(-0.5 * length, 0.5 * length);
                 (p - Vector3::new(0.0, 0.0, along)).norm() <= radius
             }
+            // The one below: an octahedron.
+            Shape::Hull(_) => p.abs().sum() <= 0.6,
         }
+    }
+
+    fn octahedron() -> Shape {
+        let corners =
+            (0..6).map(|i| Vector3::ith(i / 2, if i % 2 == 0 { 0.6 } else { -0.6 }).into());
+        Hull::new(&corners.collect::<Vec<_>>()).unwrap().into()
     }
 
     #[test]
@@ -224,6 +292,7 @@ mod tests {
                 radius: 0.25,
                 length: 0.5,
             },
+            octahedron(),
         ];
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let mut hits = 0;
@@ -235,7 +304,7 @@ mod tests {
                     let (c, e) = (0.71 * f64::from(aim), 0.016 * f64::from(aim));
                     let direction = e * Vector3::new(c.cos(), c.sin(), (1.3 * c).sin()) - eye;
                     let target = Target {
-                        shape,
+                        form: Form::new(&shape),
                         axes,
                         eye,
                         columns: (0, 1),
@@ -288,7 +357,7 @@ mod tests {
         ];
         for (shape, depth) in shapes {
             let target = Target {
-                shape,
+                form: Form::new(&shape),
                 axes,
                 eye,
                 columns: (0, 1),

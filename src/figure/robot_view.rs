@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use nalgebra::{Isometry3, Point3};
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::figure::camera::{Camera, corners, half_extents};
+use crate::figure::camera::{Camera, box_around, corners};
 use crate::figure::ground::Ground;
 use crate::figure::image::{Color, Image};
 use crate::figure::layer::{Layer, MARGIN, TILE, Tile};
@@ -77,7 +77,7 @@ pub fn render(
     let layer = |solids: &[Solid], alpha: f64| {
         let mut layer = Layer::new(alpha);
         for solid in solids {
-            let target = Target::new(solid.shape, &solid.pose, &camera, samples);
+            let target = Target::new(&solid.shape, &solid.pose, &camera, samples);
             layer.push(target, solid.color.rgb.map(f64::from), true);
         }
         layer
@@ -86,7 +86,7 @@ pub fn render(
     let distance = (view.target - view.eye).norm();
     let radius = PATH_RADIUS * 2.0 * distance * (0.5 * view.field_of_view).tan();
     for (shape, pose, color) in tube(path, radius) {
-        scene.push(Target::new(shape, &pose, &camera, samples), color, false);
+        scene.push(Target::new(&shape, &pose, &camera, samples), color, false);
     }
     let last = ghosts.len().saturating_sub(1).max(1) as f64;
     let mut layers = vec![scene];
@@ -154,9 +154,8 @@ fn check<'a>(
             .to_homogeneous()
             .iter()
             .all(|value| value.is_finite());
-        let sized = half_extents(&solid.shape)
-            .iter()
-            .all(|&half| half.is_finite() && half > 0.0);
+        let (_, half) = box_around(&solid.shape);
+        let sized = half.iter().all(|&half| half.is_finite() && half > 0.0);
         let straight = !matches!(solid.shape, Shape::Capsule { length, .. } if length < 0.0);
         placed && sized && straight
     });

@@ -1,9 +1,20 @@
 //! [`Robot`]: joints, limits and bodies of a robot that is known to be consistent.
 
+mod bounds;
 mod build;
+mod contents;
+mod doubts;
 mod dynamics;
+mod inertia;
 mod kinematics;
+mod limits;
 mod lint;
+mod load;
+mod meshes;
+mod mimics;
+mod reduce;
+mod srdf;
+mod tips;
 mod urdf;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
@@ -11,6 +22,8 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 pub use dynamics::{Dynamics, GRAVITY};
 use kinematics::Step;
 pub use kinematics::{Frame, Kinematics, Twist};
+pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshFiles};
+pub use srdf::{EndEffector, Group, Srdf};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Joints};
@@ -23,7 +36,7 @@ const LEAST_INERTIA: f64 = 1e-9;
 ///
 /// Links that fixed joints hold together are one body; body 0 is the base and does not move. A value of this type has
 /// passed every check of its loader: names are unique, the tree has one root, axes are unit vectors, limits are ordered,
-/// inertias are positive semidefinite. What its file lacks (inertials, primitive collision shapes) is missing, not
+/// inertias are positive semidefinite. What its file lacks (inertials, meshes that can be read) is missing, not
 /// guessed: [`require_dynamics`](Self::require_dynamics) and the collision model say so when they are asked.
 ///
 /// A configuration q has one entry a joint in the order of [`joints`](Self::joints), rad (m for prismatic joints).
@@ -37,6 +50,8 @@ pub struct Robot {
     /// What the recursions of kinematics and dynamics need of each body.
     steps: Vec<Step>,
     links: Vec<Link>,
+    /// Index of the link at the end of the chain that matters.
+    tip: usize,
     notes: Vec<String>,
 }
 
@@ -113,6 +128,8 @@ pub struct Body {
     pub visual: Vec<Solid>,
     /// Links whose collision geometry was not read, and why.
     pub unread_collision: Vec<String>,
+    /// Links whose inertia violates the triangle inequality, and by what: it is kept as it stands, but no body has it.
+    pub doubtful_inertia: Vec<String>,
 }
 
 /// A named frame fixed to a body.
@@ -124,6 +141,10 @@ pub struct Link {
     pub body: usize,
     /// The link's frame in the body's.
     pub pose: Isometry3<f64>,
+    /// Index of the link that holds it; `None` for the root. It comes before.
+    pub parent: Option<usize>,
+    /// The joint that holds it, fixed or not; `None` for the root.
+    pub joint: Option<String>,
 }
 
 impl Robot {
@@ -188,19 +209,6 @@ impl Robot {
         &self.notes
     }
 
-    /// The link farthest along the chain with most joints: the hand, where nothing else is said.
-    pub fn tip(&self) -> &Link {
-        let mut depths = vec![0; self.bodies.len()];
-        for (i, body) in self.bodies.iter().enumerate().skip(1) {
-            depths[i] = depths[body.parent] + 1;
-        }
-        // Links come parents first, so the last of the deepest is the end of its chain.
-        self.links
-            .iter()
-            .max_by_key(|link| depths[link.body])
-            .unwrap_or(&self.links[0])
-    }
-
     /// The configuration that stands for rest: 0 where the limits allow it, else the nearest position that they do.
     pub fn rest(&self) -> Vec<f64> {
         (0..self.joints.len())
@@ -224,6 +232,12 @@ impl Robot {
         for body in &self.bodies[1..] {
             if body.inertial.is_none() {
                 return refuse(format!("link `{}` moves and has no mass", body.name));
+            }
+            if let Some(told) = body.doubtful_inertia.first() {
+                return Err(Error::new(ErrorKind::Infeasible, told.clone())
+                    .expected("moments of a body with mass")
+                    .help("recompute the inertia from the mesh or shape, or have it mended (--mend-inertia)")
+                    .at(format!("robot `{}`", self.name)));
             }
         }
         let diagonal = dynamics::mass_diagonal(self, &self.rest());

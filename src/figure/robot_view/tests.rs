@@ -68,7 +68,7 @@ fn every_shape_is_seen_in_its_colour_and_only_where_it_is() {
             let image = render(
                 &view(),
                 &[Solid {
-                    shape,
+                    shape: shape.clone(),
                     pose,
                     color: RED,
                 }],
