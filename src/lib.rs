@@ -158,8 +158,9 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, EndEffector, GRAVITY, Group, Inconsistent, Inertial, JointKind,
-    JointProperties, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
+    Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
+    Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
@@ -185,6 +186,7 @@ const _: () = {
         shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
+        shared::<Kinematics>();
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();

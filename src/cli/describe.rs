@@ -113,15 +113,21 @@ impl Facts {
         };
         let missing: Vec<String> = self.missing.iter().map(can).collect();
         parts.push(remarks("what can be done", &missing));
-        parts.push(remarks("read otherwise than it stands, or left out", robot.notes()));
+        parts.push(remarks(
+            "read otherwise than it stands, or left out",
+            robot.notes(),
+        ));
         parts.push(remarks("looks wrong", &self.doubts));
         parts.retain(|part| !part.is_empty());
         parts.join("\n\n")
     }
 
     fn json(&self, robot: &Robot, srdf: Option<&Srdf>) -> Value {
-        let missing: BTreeMap<&str, &Option<String>> =
-            self.missing.iter().map(|(what, why)| (*what, why)).collect();
+        let missing: BTreeMap<&str, &Option<String>> = self
+            .missing
+            .iter()
+            .map(|(what, why)| (*what, why))
+            .collect();
         json!({
             "robot": robot.name(),
             "joints": robot.moving().map(|(body, joint)| joint_json(robot, body, joint)).collect::<Vec<_>>(),

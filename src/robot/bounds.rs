@@ -203,17 +203,26 @@ mod tests {
     fn each_bound_is_told_with_its_line() {
         let many = |piece: &str, n: usize| format!("<robot>\n{}</robot>", piece.repeat(n));
         for (text, message) in [
-            (many("<a/>", MOST_ELEMENTS), "line 2: more than 300000 elements"),
+            (
+                many("<a/>", MOST_ELEMENTS),
+                "line 2: more than 300000 elements",
+            ),
             (many("<!---->", MOST_ELEMENTS), "more than 300000 elements"),
             (many("<?p?>", MOST_ELEMENTS), "more than 300000 elements"),
-            (many("<![CDATA[x]]>", MOST_ELEMENTS), "more than 300000 elements"),
+            (
+                many("<![CDATA[x]]>", MOST_ELEMENTS),
+                "more than 300000 elements",
+            ),
             (many("<a>", DEEPEST), "line 2: elements nest deeper than 64"),
             (
                 format!("<robot\n{}/>", " a = 'x>'".repeat(MOST_OF_ONE + 1)),
                 "line 1: an element of more than 64 attributes",
             ),
             (
-                many(&format!("<a {}/>", "b='' ".repeat(60)), MOST_ATTRIBUTES / 60 + 1),
+                many(
+                    &format!("<a {}/>", "b='' ".repeat(60)),
+                    MOST_ATTRIBUTES / 60 + 1,
+                ),
                 "more than 600000 attributes",
             ),
             (
@@ -221,7 +230,10 @@ mod tests {
                 "more than 256 namespaces",
             ),
             ("<!DOCTYPE r>".into(), "line 1: a document type declaration"),
-            (" ".repeat(LARGEST_TEXT + 1), "the text is too large, expected at most 16 MB"),
+            (
+                " ".repeat(LARGEST_TEXT + 1),
+                "the text is too large, expected at most 16 MB",
+            ),
         ] {
             let error = refusal(&text);
             assert!(error.contains(message), "`{message}`, got: {error}");

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
 use super::contents::{Contents, rgb};
+use super::kinematics::Step;
 use super::lint::Doubtful;
 use super::load::LoadOptions;
 use super::meshes::Meshes;
@@ -58,7 +59,11 @@ pub(super) fn build(
     let mut bodies: Vec<Body> = Vec::new();
     let mut placed: Vec<Link> = Vec::new();
     // Depth first in the order of the file, without recursion: chains may be long.
-    let mut open = vec![(root, None::<(usize, &urdf_rs::Joint)>, Isometry3::identity())];
+    let mut open = vec![(
+        root,
+        None::<(usize, &urdf_rs::Joint)>,
+        Isometry3::identity(),
+    )];
     while let Some((link, held, pose)) = open.pop() {
         // `pose` is the link's frame in the body of the link that holds it, the joint's origin included.
         let joint = held.map(|(_, joint)| joint);
@@ -124,6 +129,7 @@ pub(super) fn build(
         name: urdf.name.clone(),
         joints: Joints::new(names)?,
         commanded,
+        steps: bodies.iter().map(Step::new).collect(),
         bodies,
         tip: 0,
         links: placed,

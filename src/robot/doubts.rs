@@ -59,7 +59,9 @@ fn position(kind: JointKind, range: &Interval, doubt: &mut impl FnMut(String)) {
             doubt(format!("{lower} .. {upper} rad is less than a degree"));
         }
         JointKind::Prismatic if largest > LONGEST => {
-            doubt(format!("{lower} .. {upper} m is a long slide: millimetres?"));
+            doubt(format!(
+                "{lower} .. {upper} m is a long slide: millimetres?"
+            ));
         }
         _ => {}
     }
@@ -105,26 +107,80 @@ mod tests {
         let rest = r#"velocity="2" effort="5""#;
         for (kind, limit, told) in [
             ("revolute", format!(r#"lower="-1" upper="1" {rest}"#), None),
-            ("revolute", format!(r#"lower="-6.28318530718" upper="6.28318530718" {rest}"#), None),
-            ("prismatic", format!(r#"lower="0" upper="0.04" {rest}"#), None),
+            (
+                "revolute",
+                format!(r#"lower="-6.28318530718" upper="6.28318530718" {rest}"#),
+                None,
+            ),
+            (
+                "prismatic",
+                format!(r#"lower="0" upper="0.04" {rest}"#),
+                None,
+            ),
             ("continuous", rest.to_owned(), None),
-            ("revolute", format!(r#"lower="-90" upper="90" {rest}"#), Some("degrees?")),
-            ("revolute", format!(r#"lower="-10.5" upper="10.5" {rest}"#), Some("3.3 turns")),
-            ("revolute", format!(r#"lower="-0.001" upper="0.01" {rest}"#), Some("less than a degree")),
-            ("revolute", format!(r#"lower="1" upper="1" {rest}"#), Some("cannot move")),
-            ("revolute", format!(r#"lower="0.1" upper="1" {rest}"#), Some("position 0 lies outside")),
-            ("prismatic", format!(r#"lower="0" upper="400" {rest}"#), Some("millimetres?")),
-            ("continuous", r#"velocity="180" effort="5""#.into(), Some("a velocity limit of 180 rad/s")),
-            ("continuous", r#"velocity="0.001" effort="5""#.into(), Some("a velocity limit of 0.001 rad/s")),
-            ("continuous", r#"velocity="0" effort="5""#.into(), Some("no velocity limit")),
-            ("continuous", r#"velocity="1""#.into(), Some("no effort limit")),
-            ("continuous", r#"velocity="1" effort="1e16""#.into(), Some("an effort limit of 1")),
+            (
+                "revolute",
+                format!(r#"lower="-90" upper="90" {rest}"#),
+                Some("degrees?"),
+            ),
+            (
+                "revolute",
+                format!(r#"lower="-10.5" upper="10.5" {rest}"#),
+                Some("3.3 turns"),
+            ),
+            (
+                "revolute",
+                format!(r#"lower="-0.001" upper="0.01" {rest}"#),
+                Some("less than a degree"),
+            ),
+            (
+                "revolute",
+                format!(r#"lower="1" upper="1" {rest}"#),
+                Some("cannot move"),
+            ),
+            (
+                "revolute",
+                format!(r#"lower="0.1" upper="1" {rest}"#),
+                Some("position 0 lies outside"),
+            ),
+            (
+                "prismatic",
+                format!(r#"lower="0" upper="400" {rest}"#),
+                Some("millimetres?"),
+            ),
+            (
+                "continuous",
+                r#"velocity="180" effort="5""#.into(),
+                Some("a velocity limit of 180 rad/s"),
+            ),
+            (
+                "continuous",
+                r#"velocity="0.001" effort="5""#.into(),
+                Some("a velocity limit of 0.001 rad/s"),
+            ),
+            (
+                "continuous",
+                r#"velocity="0" effort="5""#.into(),
+                Some("no velocity limit"),
+            ),
+            (
+                "continuous",
+                r#"velocity="1""#.into(),
+                Some("no effort limit"),
+            ),
+            (
+                "continuous",
+                r#"velocity="1" effort="1e16""#.into(),
+                Some("an effort limit of 1"),
+            ),
         ] {
             let found = doubts(kind, &limit);
             match told {
                 None => assert!(found.is_empty(), "{limit}: {found:?}"),
                 Some(told) => assert!(
-                    found.iter().any(|d| d.starts_with("joint `j`: ") && d.contains(told)),
+                    found
+                        .iter()
+                        .any(|d| d.starts_with("joint `j`: ") && d.contains(told)),
                     "{limit} lacks {told}: {found:?}"
                 ),
             }

@@ -123,7 +123,10 @@ mod tests {
         let judged = |a, b, c| fault(&Matrix3::from_diagonal(&Vector3::new(a, b, c)));
         assert_eq!(judged(1.0, 2.0, 3.0), None);
         assert_eq!(judged(1.0, 1.0, -1e-7), None);
-        assert!(matches!(judged(1.0, 1.0, -1e-5), Some(Fault::Indefinite(_))));
+        assert!(matches!(
+            judged(1.0, 1.0, -1e-5),
+            Some(Fault::Indefinite(_))
+        ));
         assert!(matches!(judged(1.0, 3.0, 1.0), Some(Fault::Triangle(_))));
         assert_eq!(judged(0.0, 0.0, 0.0), None);
     }

@@ -34,7 +34,10 @@ impl Robot {
             return Err(here(
                 Error::new(
                     ErrorKind::Infeasible,
-                    format!("fewer than two bodies have collision shapes, none have {}", listed(&without)),
+                    format!(
+                        "fewer than two bodies have collision shapes, none have {}",
+                        listed(&without)
+                    ),
                 )
                 .help("add <collision> elements to the URDF"),
             ));

@@ -38,7 +38,12 @@ const READ: [(&str, &[&str]); 23] = [
     ("mimic", &["joint", "multiplier", "offset"]),
     (
         "safety_controller",
-        &["soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"],
+        &[
+            "soft_lower_limit",
+            "soft_upper_limit",
+            "k_position",
+            "k_velocity",
+        ],
     ),
 ];
 
@@ -71,8 +76,11 @@ pub(super) fn parse(document: &Document) -> Result<urdf_rs::Robot> {
     let same = names("link").eq(robot.links.iter().map(|l| Some(l.name.as_str())))
         && names("joint").eq(robot.joints.iter().map(|j| Some(j.name.as_str())));
     if !same {
-        return Err(Error::new(ErrorKind::Unsupported, "a name in characters that are not read")
-            .expected("letters, digits and signs"));
+        return Err(Error::new(
+            ErrorKind::Unsupported,
+            "a name in characters that are not read",
+        )
+        .expected("letters, digits and signs"));
     }
     Ok(robot)
 }
@@ -145,7 +153,8 @@ fn write(node: Node, text: &mut String) {
 fn is_color(rgba: &str) -> bool {
     let is_part = |word: &str| word.parse().is_ok_and(f32::is_finite);
     rgba.len() <= LONGEST
-        && rgba.split_whitespace().count() == 4 && rgba.split_whitespace().all(is_part)
+        && rgba.split_whitespace().count() == 4
+        && rgba.split_whitespace().all(is_part)
 }
 
 fn escape(value: &str, text: &mut String) {

@@ -191,7 +191,9 @@ impl Srdf {
                 *member |= by_joint || listed.contains(link.name.as_str());
             }
             for (base, tip) in &group.chains {
-                for index in between(robot, base, tip).map_err(|e| e.at(format!("group `{name}`")))? {
+                for index in
+                    between(robot, base, tip).map_err(|e| e.at(format!("group `{name}`")))?
+                {
                     member[index] = true;
                 }
             }
@@ -309,10 +311,9 @@ impl<'a> Reader<'a> {
                 "link" => group.links.push(self.text(part, "name")?),
                 "joint" => group.joints.push(self.text(part, "name")?),
                 "group" => group.groups.push(self.text(part, "name")?),
-                "chain" => group.chains.push((
-                    self.text(part, "base_link")?,
-                    self.text(part, "tip_link")?,
-                )),
+                "chain" => group
+                    .chains
+                    .push((self.text(part, "base_link")?, self.text(part, "tip_link")?)),
                 other => {
                     return Err(self
                         .xml

@@ -128,7 +128,10 @@ mod tests {
         };
         assert_eq!(Robot::load(GRIPPER, &options).unwrap().tip().name, "palm");
         let error = robot.with_tip(Some("nose")).unwrap_err().to_string();
-        assert!(error.contains("no link `nose`") && error.contains("slide, right"), "{error}");
+        assert!(
+            error.contains("no link `nose`") && error.contains("slide, right"),
+            "{error}"
+        );
     }
 
     #[test]

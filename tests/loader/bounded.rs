@@ -45,7 +45,16 @@ fn child() {
             };
             line("collision", &missing(robot.require_collision()));
             line("dynamics", &missing(robot.require_dynamics()));
-            line("notes", &robot.notes().iter().take(20).cloned().collect::<Vec<_>>().join("; "));
+            line(
+                "notes",
+                &robot
+                    .notes()
+                    .iter()
+                    .take(20)
+                    .cloned()
+                    .collect::<Vec<_>>()
+                    .join("; "),
+            );
             line("links", &robot.links().len().to_string());
             let shapes: usize = robot.bodies().iter().map(|b| b.collision.len()).sum();
             line("shapes", &shapes.to_string());

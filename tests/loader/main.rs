@@ -66,8 +66,16 @@ fn every_real_robot_loads_as_far_as_its_file_allows() {
         let own = robot.chain(robot.tip());
         let own = own.iter().filter(|j| robot.is_commanded(j)).count();
         assert_eq!(own, chain, "{name}: the tip's chain");
-        assert_eq!(robot.require_collision().is_ok(), *collision, "{name}: collision");
-        assert_eq!(robot.require_dynamics().is_ok(), *dynamics, "{name}: dynamics");
+        assert_eq!(
+            robot.require_collision().is_ok(),
+            *collision,
+            "{name}: collision"
+        );
+        assert_eq!(
+            robot.require_dynamics().is_ok(),
+            *dynamics,
+            "{name}: dynamics"
+        );
         // What is drawn and collided with is somewhere near the robot: scales and units were read.
         let reach = robot.reach(robot.tip());
         assert!(reach > 0.1 && reach < 6.0, "{name}: {reach} m");

@@ -164,11 +164,7 @@ impl<'a> Xml<'a> {
         }
     }
 
-    pub(super) fn joint(
-        &self,
-        node: Node<'a, 'a>,
-        links: &Names,
-    ) -> Result<()> {
+    pub(super) fn joint(&self, node: Node<'a, 'a>, links: &Names) -> Result<()> {
         self.structure(node)?;
         let kind = self.text(node, "type")?;
         let moves = match kind {

@@ -54,13 +54,11 @@ impl<'a> Xml<'a> {
         for node in root.children().filter(|n| n.has_tag_name(tag)) {
             let name = self.text(node, "name")?;
             if names.insert(name, node).is_some() {
-                return Err(
-                    Error::new(
-                        ErrorKind::Name,
-                        format!("two {tag}s are called `{}`", listed(&[name])),
-                    )
-                    .at(self.line(node)),
-                );
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("two {tag}s are called `{}`", listed(&[name])),
+                )
+                .at(self.line(node)));
             }
         }
         Ok(names)

@@ -164,7 +164,10 @@ impl<'a> Meshes<'a> {
         }
         self.bytes += bytes.len() as u64;
         if self.bytes > MOST_BYTES {
-            return Err(beyond(format!("more than {} MB of meshes", MOST_BYTES >> 20)));
+            return Err(beyond(format!(
+                "more than {} MB of meshes",
+                MOST_BYTES >> 20
+            )));
         }
         Ok(Ok(bytes))
     }
