@@ -30,8 +30,14 @@ fn robot() -> (Robot, CollisionOptions) {
             };
             let robot = Robot::open_with(&folder.join("ur5_robot.urdf"), options).unwrap();
             let srdf = Srdf::open(&folder.join("ur5.srdf")).unwrap();
+            // The flange's box, of which the SRDF knows nothing.
+            let flange = robot
+                .links()
+                .iter()
+                .map(|l| (l.name.clone(), "ee_link".to_owned()));
             let options = CollisionOptions {
                 disabled: srdf.disabled().to_vec(),
+                left_out: flange.collect(),
                 ..CollisionOptions::default()
             };
             (robot, options)

@@ -147,8 +147,9 @@ pub use fourier::{
 };
 #[cfg(feature = "robot")]
 pub use geometry::{
-    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape,
-    SignedDistance, Solid, Warm, intersects, separation, signed_distance,
+    Ball, BoundingCapsule, Convex, Decomposition, Enclosure, HalfSpace, Hull, Mesh, Placed,
+    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, separation,
+    signed_distance,
 };
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
@@ -164,8 +165,9 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, EndEffector, GRAVITY, Group, Inconsistent, Inertial, JointKind,
-    JointProperties, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
+    Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
+    Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
@@ -191,6 +193,7 @@ const _: () = {
         shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
+        shared::<Kinematics>();
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();

@@ -9,9 +9,7 @@ use super::robot::RobotArguments;
 use super::robot::tell_notes;
 use super::simulate::units;
 use super::{Outcome, output, read_wave};
-use crate::collision::{
-    Certification, CollisionModel, CollisionOptions, MinimumClearance, PairStatus,
-};
+use crate::collision::{Certification, CollisionModel, MinimumClearance, PairStatus};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{LimitUse, Verdict, limits};
 use crate::fourier::Derivative;
@@ -63,10 +61,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 })
         })
         .collect::<Result<Vec<_>>>()?;
-    let options = CollisionOptions {
-        left_out,
-        ..CollisionOptions::default()
-    };
+    let mut options = arguments.robot.reading.collision(&robot)?;
+    options.left_out = left_out;
     let notes = tell_notes(&robot);
     let limits = limits(&robot, &wave)?;
     let looked_at = CollisionModel::new(&robot, &options).and_then(|collision| {

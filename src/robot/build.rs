@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
 use super::contents::{Contents, rgb};
+use super::kinematics::Step;
 use super::lint::Doubtful;
 use super::load::LoadOptions;
 use super::meshes::Meshes;
@@ -128,6 +129,7 @@ pub(super) fn build(
         name: urdf.name.clone(),
         joints: Joints::new(names)?,
         commanded,
+        steps: bodies.iter().map(Step::new).collect(),
         bodies,
         tip: 0,
         links: placed,

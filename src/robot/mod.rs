@@ -12,6 +12,7 @@ mod lint;
 mod load;
 mod meshes;
 mod mimics;
+mod missing;
 mod reduce;
 mod srdf;
 mod tips;
@@ -20,6 +21,8 @@ mod urdf;
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use dynamics::{Dynamics, GRAVITY};
+use kinematics::Step;
+pub use kinematics::{Frame, Kinematics, Twist};
 pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshFiles};
 pub use srdf::{EndEffector, Group, Srdf};
 
@@ -45,6 +48,8 @@ pub struct Robot {
     /// For each joint, the body that it moves.
     commanded: Vec<usize>,
     bodies: Vec<Body>,
+    /// What the recursions of kinematics and dynamics need of each body.
+    steps: Vec<Step>,
     links: Vec<Link>,
     /// Index of the link at the end of the chain that matters.
     tip: usize,
@@ -185,6 +190,16 @@ impl Robot {
         &self.links
     }
 
+    /// # Errors
+    /// When no link has this name.
+    pub fn link(&self, name: &str) -> Result<&Link> {
+        self.links.iter().find(|l| l.name == name).ok_or_else(|| {
+            Error::new(ErrorKind::Name, format!("no link `{name}`"))
+                .expected(format!("one of the robot's {} links", self.links.len()))
+                .at(format!("robot `{}`", self.name))
+        })
+    }
+
     /// Whether a joint is commanded itself, and does not mimic another.
     pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
         self.joints.name(joint.index) == joint.name
@@ -226,8 +241,7 @@ impl Robot {
                     .at(format!("robot `{}`", self.name)));
             }
         }
-        let mut dynamics = Dynamics::new(self);
-        let diagonal = dynamics.mass_diagonal(self, &self.rest());
+        let diagonal = dynamics::mass_diagonal(self, &self.rest());
         for (name, inertia) in self.joints.iter().zip(diagonal) {
             if inertia < LEAST_INERTIA {
                 return refuse(format!(

@@ -19,7 +19,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 pub use half_space::HalfSpace;
-pub use rough::rough_separation;
+pub(crate) use rough::rough_separation;
 pub use warm::Warm;
 
 use super::convex::{Placed, dot, turn, turn_back};

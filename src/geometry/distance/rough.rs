@@ -6,7 +6,7 @@ use crate::geometry::convex::{Placed, dot, turn};
 /// A lower bound of the signed distance of `a` and `b` in some nanoseconds: by the balls around them and, when these are no
 /// farther apart than `threshold` \[m\], by the capsules.
 #[inline(always)]
-pub fn rough_separation(a: Placed, b: Placed, threshold: f64) -> f64 {
+pub(crate) fn rough_separation(a: Placed, b: Placed, threshold: f64) -> f64 {
     let (ra, rb) = (&a.placement.rotation, &b.placement.rotation);
     let offset = b.placement.translation - a.placement.translation;
     let slack = slack(a, b, &offset);
