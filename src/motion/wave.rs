@@ -1,7 +1,7 @@
 //! A wave as a motion.
 
 use super::{Motion, Tube};
-use crate::fourier::{Derivative, Interval, Joints, State, Wave};
+use crate::fourier::{Derivative, Extremes, Joints, State, Wave};
 
 impl Motion for Wave {
     type Tube<'a> = WaveTube<'a>;
@@ -22,8 +22,8 @@ impl Motion for Wave {
         self.state_into(t, state);
     }
 
-    fn range(&self, joint: usize, derivative: Derivative) -> Interval {
-        self.range(joint, derivative)
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
+        self.extremes(joint, derivative)
     }
 
     fn tube(&self) -> WaveTube<'_> {
