@@ -6,6 +6,8 @@ use crate::error::{Error, ErrorKind, Reason, Result, listed};
 pub(crate) struct Table<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: csv::StringRecord,
+    /// The columns in the order of their names: a file may have as many columns as it likes.
+    by_name: Vec<usize>,
 }
 
 impl<'a> Table<'a> {
@@ -33,7 +35,13 @@ impl<'a> Table<'a> {
             .expected("commas between columns and points in numbers")
             .at("line 1"));
         }
-        Ok(Self { reader, header })
+        let mut by_name: Vec<usize> = (0..header.len()).collect();
+        by_name.sort_by_key(|i| &header[*i]);
+        Ok(Self {
+            reader,
+            header,
+            by_name,
+        })
     }
 
     /// The names of the columns.
@@ -46,9 +54,13 @@ impl<'a> Table<'a> {
     /// # Errors
     /// When there is none, or two.
     pub(crate) fn column(&self, wanted: &str) -> Result<usize> {
-        let mut found = self.header.iter().enumerate().filter(|(_, c)| *c == wanted);
+        let first = self.by_name.partition_point(|i| self.header[*i] < *wanted);
+        let mut found = self.by_name[first..]
+            .iter()
+            .copied()
+            .take_while(|i| self.header[*i] == *wanted);
         match (found.next(), found.next()) {
-            (Some((i, _)), None) => Ok(i),
+            (Some(i), None) => Ok(i),
             (None, _) => Err(Error::new(
                 ErrorKind::Name,
                 format!("no column `{wanted}` among {}", listed(&self.columns())),

@@ -63,7 +63,7 @@ impl Quintic {
     }
 
     /// The quintic with values, slopes and second derivatives `a` and `b` at the ends.
-    pub(super) fn quintic(a: [f64; 3], b: [f64; 3]) -> Self {
+    pub(super) fn hermite(a: [f64; 3], b: [f64; 3]) -> Self {
         let d = b[0] - a[0];
         Self([
             a[0],
@@ -293,7 +293,7 @@ mod tests {
                 let found = match n {
                     2 => Quintic::linear(a[0], b[0]),
                     4 => Quintic::cubic([a[0], a[1]], [b[0], b[1]]),
-                    _ => Quintic::quintic(a, b),
+                    _ => Quintic::hermite(a, b),
                 };
                 for i in 0..n {
                     prop_assert!((found.0[i] - expected[i]).abs() < 1e-12, "{}: {:?}", n, found);

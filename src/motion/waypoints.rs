@@ -246,7 +246,10 @@ fn check(joints: &Joints, what: &str, values: &[f64]) -> Result<()> {
             format!("one for each of {} joints", joints.len()),
         ));
     }
-    match values.iter().position(|x| !(x.abs() <= LARGEST)) {
+    match values
+        .iter()
+        .position(|x| !x.is_finite() || x.abs() > LARGEST)
+    {
         None => Ok(()),
         Some(i) => Err(
             Error::new(ErrorKind::Value, format!("{} among the {what}", values[i]))

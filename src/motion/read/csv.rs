@@ -227,13 +227,23 @@ mod tests {
     }
 
     #[test]
+    fn a_header_without_end_takes_no_square_of_its_length() {
+        let names: Vec<String> = (0..300_000).map(|i| format!("joint{i}")).collect();
+        let error = read(&format!("time_s,{}\n0,1\n", names.join(","))).unwrap_err();
+        assert_eq!(Reason::of(&error), Reason::WrongSize);
+    }
+
+    #[test]
     fn a_table_without_end_is_refused_when_it_is_too_long() {
-        let mut text = "time_s,a\n".to_owned();
-        for i in 0..2_000_001 {
-            text.push_str(&format!("{i},0\n"));
+        // A thousand joints, so that two thousand rows are enough.
+        let mut text = "time_s".to_owned();
+        for joint in 0..1000 {
+            text.push_str(&format!(",{joint}"));
         }
-        // Times end at 1e6 s, so these are a microsecond apart instead.
-        let text = text.replace(",0\n", "e-6,0\n");
+        for row in 0..2001 {
+            text.push_str(&format!("\n{row}"));
+            text.push_str(&",0".repeat(1000));
+        }
         let error = read(&text).unwrap_err();
         assert_eq!(error.reason(), Some(Reason::TooLarge), "{error}");
     }

@@ -4,19 +4,13 @@
 //! crates that deserialise YAML either are no longer kept or expand aliases. Aliases are refused here, so that no file
 //! can stand for more than it holds; so are tags and further documents.
 
-use std::borrow::Cow;
+mod node;
 
-use saphyr_parser::{Event, Parser, ScalarStyle};
+use node::{Node, parse};
 
 use super::{Error, ErrorKind, Reason, Result, Waypoints, listed, utf8};
 use crate::fourier::Joints;
 use crate::motion::waypoints::{Rows, Waypoint, wrong_size};
-
-/// Deeper nesting is no motion file.
-const DEEPEST: usize = 32;
-
-/// The most scalars, lists and mappings of a file.
-const MOST_NODES: usize = 2_500_000;
 
 /// What a motion may hold; another key is refused, for it would mean something.
 const KEYS: [&str; 4] = ["joints", "positions", "times_from_start", "meta"];
@@ -81,186 +75,6 @@ impl PlayMotion {
         }
     }
 }
-
-/// A value of the file and the line where it starts.
-struct Node<'a> {
-    line: usize,
-    value: Value<'a>,
-}
-
-enum Value<'a> {
-    /// Plain, when it was not quoted: only then may it be a number.
-    Scalar {
-        text: Cow<'a, str>,
-        plain: bool,
-    },
-    List(Vec<Node<'a>>),
-    Map(Vec<(Cow<'a, str>, Node<'a>)>),
-}
-
-impl<'a> Node<'a> {
-    fn map(&self) -> Option<&[(Cow<'a, str>, Node<'a>)]> {
-        match &self.value {
-            Value::Map(entries) => Some(entries),
-            _ => None,
-        }
-    }
-
-    fn get(&self, key: &str) -> Option<&Node<'a>> {
-        let entries = self.map()?;
-        entries.iter().find(|(k, _)| k == key).map(|(_, node)| node)
-    }
-
-    fn error(&self, what: impl Into<String>) -> Error {
-        Error::new(ErrorKind::Syntax, what)
-            .because(Reason::Unreadable)
-            .at(format!("line {}", self.line))
-    }
-
-    fn scalars(&self, what: &str) -> Result<&[Node<'a>]> {
-        match &self.value {
-            Value::List(items) => Ok(items),
-            _ => Err(self.error(format!("{what} that are no list"))),
-        }
-    }
-
-    fn numbers(&self, what: &str) -> Result<Vec<f64>> {
-        self.scalars(what)?
-            .iter()
-            .map(|item| {
-                let found = match &item.value {
-                    Value::Scalar { text, plain: true } => match text.parse::<f64>() {
-                        Ok(number) if number.is_finite() => return Ok(number),
-                        _ => format!("found `{text}` among {what}"),
-                    },
-                    _ => format!("no number among {what}"),
-                };
-                Err(Error::new(ErrorKind::Value, found)
-                    .because(Reason::NotFinite)
-                    .expected("a finite number")
-                    .at(format!("line {}", item.line)))
-            })
-            .collect()
-    }
-
-    fn names(&self, what: &str) -> Result<Vec<String>> {
-        self.scalars(what)?
-            .iter()
-            .map(|item| match &item.value {
-                Value::Scalar { text, .. } => Ok(text.clone().into_owned()),
-                _ => Err(item.error(format!("no name among {what}"))),
-            })
-            .collect()
-    }
-}
-
-/// A list or mapping that has begun; a mapping with the key whose value comes next.
-struct Open<'a> {
-    node: Node<'a>,
-    key: Option<Cow<'a, str>>,
-}
-
-fn parse(text: &str) -> Result<Node<'_>> {
-    let mut open: Vec<Open<'_>> = Vec::new();
-    let mut root = None;
-    let mut nodes = 0;
-    for event in Parser::new_from_str(text) {
-        let (event, span) = event.map_err(|e| {
-            Error::new(ErrorKind::Syntax, e.info())
-                .because(Reason::Unreadable)
-                .expected("a YAML file of play_motion2")
-                .at(format!("line {}", e.marker().line()))
-        })?;
-        let line = span.start.line();
-        let unsupported = |what: &str| {
-            Err(Error::new(ErrorKind::Unsupported, what)
-                .because(Reason::Unsupported)
-                .expected("plain mappings, lists, names and numbers")
-                .at(format!("line {line}")))
-        };
-        let (value, begins) = match event {
-            Event::Scalar(text, style, _, None) => {
-                let plain = style == ScalarStyle::Plain;
-                (Value::Scalar { text, plain }, false)
-            }
-            Event::SequenceStart(_, None) => (Value::List(Vec::new()), true),
-            Event::MappingStart(_, None) => (Value::Map(Vec::new()), true),
-            Event::SequenceEnd | Event::MappingEnd => {
-                // The parser closes what it has opened and nothing else.
-                if let Some(Open { node, .. }) = open.pop() {
-                    place(node, &mut open, &mut root)?;
-                }
-                continue;
-            }
-            Event::Alias(_) => return unsupported("an alias"),
-            Event::Scalar(..) | Event::SequenceStart(..) | Event::MappingStart(..) => {
-                return unsupported("a tag");
-            }
-            Event::DocumentStart(_) if root.is_some() => return unsupported("a second document"),
-            _ => continue,
-        };
-        nodes += 1;
-        if nodes > MOST_NODES || open.len() >= DEEPEST {
-            return Err(
-                Error::new(ErrorKind::Unsupported, "a file too large or too deep")
-                    .because(Reason::TooLarge)
-                    .expected(format!(
-                        "at most {MOST_NODES} values, nested {DEEPEST} deep"
-                    ))
-                    .at(format!("line {line}")),
-            );
-        }
-        let node = Node { line, value };
-        if begins {
-            open.push(Open { node, key: None });
-        } else {
-            place(node, &mut open, &mut root)?;
-        }
-    }
-    root.ok_or_else(|| {
-        Error::new(ErrorKind::Syntax, "the file is empty")
-            .because(Reason::Unreadable)
-            .expected("a YAML file of play_motion2")
-    })
-}
-
-/// Puts a whole node where it belongs: into what is open, or at the root.
-fn place<'a>(node: Node<'a>, open: &mut [Open<'a>], root: &mut Option<Node<'a>>) -> Result<()> {
-    let Some(parent) = open.last_mut() else {
-        *root = Some(node);
-        return Ok(());
-    };
-    match &mut parent.node.value {
-        Value::List(items) => items.push(node),
-        Value::Map(entries) => match (parent.key.take(), node) {
-            (Some(key), node) => entries.push((key, node)),
-            (
-                None,
-                Node {
-                    value: Value::Scalar { text, .. },
-                    line,
-                },
-            ) => {
-                // As many keys as there are joints or motions: a scan will do, but not of a million.
-                if entries.len() >= MOST_KEYS || entries.iter().any(|(k, _)| *k == text) {
-                    return Err(Error::new(
-                        ErrorKind::Name,
-                        format!("key `{text}` twice, or more than {MOST_KEYS} keys"),
-                    )
-                    .because(Reason::Unreadable)
-                    .at(format!("line {line}")));
-                }
-                parent.key = Some(text);
-            }
-            (None, node) => return Err(node.error("a key that is no name")),
-        },
-        Value::Scalar { .. } => {}
-    }
-    Ok(())
-}
-
-/// The most keys of one mapping.
-const MOST_KEYS: usize = 10_000;
 
 fn motions(root: &Node<'_>) -> Result<Vec<(String, Waypoints)>> {
     let mut found = Vec::new();
@@ -342,6 +156,7 @@ fn motion(node: &Node<'_>) -> Result<Waypoints> {
 
 #[cfg(test)]
 mod tests {
+    use super::node::MOST_BYTES;
     use super::*;
 
     const TWO: &str = "# motions\n/play_motion2:\n  ros__parameters:\n    approach_velocity: 0.5\n    controllers: [arm]\n    motions:\n      home:\n        joints: [a]\n        positions: [1]\n        times_from_start: [0.5]\n      wave:\n        joints:\n          - a\n          - 'b'\n        positions: [0.0, 0.25,\n                    0.5, .5]\n        times_from_start:\n          - 0\n          - 1.0\n        meta: {name: Wave, usage: demo, description: \"x\"}\n";
@@ -509,8 +324,10 @@ mod tests {
             "{a: ".repeat(100_000),
             "- ".repeat(100_000),
             "? ".repeat(100_000),
+            "&a ".repeat(100_000),
             many,
-            "[".to_owned() + &"0,".repeat(MOST_NODES) + "0]",
+            "[".to_owned() + &"0,".repeat(MOST_BYTES / 2),
+            "[".to_owned() + &"0,".repeat(MOST_BYTES / 2 - 2) + "0]",
             "\u{0}".repeat(100_000),
             "a: \"".to_owned() + &"\\".repeat(100_001),
         ] {

@@ -211,7 +211,7 @@ fn start_unknown(first: f64) -> Error {
 
 fn require_near(joints: &Joints, posture: &[f64], first: &[f64]) -> Result<()> {
     for (joint, (a, b)) in joints.iter().zip(posture.iter().zip(first)) {
-        if !((a - b).abs() <= NEAR) {
+        if (a - b).is_nan() || (a - b).abs() > NEAR {
             return Err(Error::new(
                 ErrorKind::Infeasible,
                 format!("the robot starts at {a}, the move at {b} at once"),
@@ -242,7 +242,7 @@ fn interpolate(a: &Waypoint<'_>, b: &Waypoint<'_>, pieces: &mut Vec<Quintic>) ->
         return Degree::Cubic;
     };
     pieces.extend(joints.map(|j| {
-        Quintic::quintic(
+        Quintic::hermite(
             [a.positions[j], t * va[j], t * t * aa[j]],
             [b.positions[j], t * vb[j], t * t * ab[j]],
         )

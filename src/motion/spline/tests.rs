@@ -164,10 +164,10 @@ proptest! {
         // What the truth itself loses here.
         prop_assert!(escape < 1e-13, "{escape:e}");
         // Nor is the tube much wider than the motion is at its fastest.
-        for j in 0..2 {
+        for (j, radius) in radius.iter().enumerate() {
             let speed = spline.range(j, Derivative::Velocity).magnitude();
-            prop_assert!(radius[j] <= 40.0 * (speed * interval.1 + 1e-12));
-            prop_assert!(radius[j] <= 2.5 * spline.range(j, Derivative::Position).width() + 1e-12);
+            prop_assert!(*radius <= 40.0 * (speed * interval.1 + 1e-12));
+            prop_assert!(*radius <= 2.5 * spline.range(j, Derivative::Position).width() + 1e-12);
         }
     }
 

@@ -136,7 +136,7 @@ impl Tube for SplineTube<'_> {
         }
         if !spline.repeats {
             self.cover(from, to, position, radius);
-        } else if !(2.0 * half < duration) {
+        } else if 2.0 * half >= duration {
             self.cover(0.0, duration, position, radius);
         } else {
             self.cover(from.max(0.0), to.min(duration), position, radius);
