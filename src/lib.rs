@@ -123,6 +123,7 @@ mod robot;
 pub mod shipped;
 #[cfg(feature = "simulation")]
 mod simulation;
+mod table;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod units;
@@ -139,11 +140,15 @@ pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
     Duration, Leakage, LeftOut, Recording, Variation, synthetic,
 };
-pub use error::{Error, ErrorKind, Result};
+pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
-pub use feasibility::{LimitUse, Verdict, limits};
+pub use feasibility::{
+    JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
+    without_velocity_limit,
+};
 pub use fourier::{
-    Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
+    Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
+    State, Wave,
 };
 #[cfg(feature = "robot")]
 pub use geometry::{
@@ -152,7 +157,10 @@ pub use geometry::{
     signed_distance,
 };
 #[cfg(feature = "robot")]
-pub use motion::{Motion, Tube, WaveTube};
+pub use motion::{
+    Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
+    WaveTube, Waypoint, Waypoints,
+};
 pub use posterior::Diagnostics;
 pub use primitive::{
     Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,
@@ -197,6 +205,9 @@ const _: () = {
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();
+        shared::<Spline>();
+        shared::<PlayMotion>();
+        shared::<JointLimits>();
     }
     #[cfg(feature = "simulation")]
     shared::<Rollout>();

@@ -10,6 +10,8 @@ use crate::motion::Motion;
 pub struct Moment {
     /// Their names.
     pub pair: (String, String),
+    /// Whether the first is an object of the scene.
+    pub is_with_scene: bool,
     /// \[s\]
     pub time: f64,
     /// The distance, or a bound on it \[m\]; negative when they overlap, then minus the depth. Less what padding the pair has.
@@ -245,6 +247,7 @@ impl CollisionModel {
         });
         Moment {
             pair: self.names(at.pair),
+            is_with_scene: self.pairs[at.pair].parts.0 < self.scene,
             time: at.time,
             distance,
         }

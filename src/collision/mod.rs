@@ -59,6 +59,8 @@ pub struct CollisionModel {
     frames: Frames,
     /// Of the scene, then of the robot's links, parents first.
     parts: Vec<Part>,
+    /// How many of them are the scene's.
+    scene: usize,
     pairs: Vec<Pair>,
     /// The pairs that are checked.
     checked: Vec<usize>,
@@ -151,6 +153,7 @@ impl CollisionModel {
             joints: robot.joints().clone(),
             frames,
             parts,
+            scene,
             pairs,
             checked: Vec::new(),
             chains,

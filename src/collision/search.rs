@@ -90,7 +90,7 @@ pub(super) struct Search<'m> {
     warm: Vec<Warm>,
     pieces: Vec<(f64, f64)>,
     nodes: Vec<Node>,
-    /// Pairs of the nodes, those of the last node at the end.
+    /// Pairs of the nodes: all, which every piece has, then those of the halves, of the last one at the end.
     open: Vec<usize>,
     /// Of each pair, in which of four intervals it is open, as bits.
     lanes: Vec<u8>,
@@ -135,13 +135,12 @@ impl<'m> Search<'m> {
         if all.is_empty() {
             return found;
         }
+        self.open.extend_from_slice(all);
         for (middle, half) in self.pieces.iter().rev() {
-            let start = self.open.len();
-            self.open.extend_from_slice(all);
             self.nodes.push(Node {
                 middle: *middle,
                 half: *half,
-                pairs: (start, self.open.len()),
+                pairs: (0, all.len()),
                 lower: f64::NEG_INFINITY,
             });
         }
@@ -245,7 +244,8 @@ impl<'m> Search<'m> {
             start = start.min(node.pairs.0);
             *slot = node;
         }
-        self.open.truncate(start);
+        // The first are those of every piece.
+        self.open.truncate(start.max(self.model.checked.len()));
         (nodes, count)
     }
 

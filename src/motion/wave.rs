@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x4};
 
 use super::{LANES, Motion, Tube};
 use crate::elementary::sin_cos;
-use crate::fourier::{Derivative, Interval, Joints, State, Wave};
+use crate::fourier::{Derivative, Extremes, Joints, State, Wave};
 
 /// Pieces of the period for each harmonic to start from: at the highest, Taylor's remainders are of use from the start.
 const PIECES: f64 = 2.4;
@@ -28,8 +28,8 @@ impl Motion for Wave {
         self.state_into(t, state);
     }
 
-    fn range(&self, joint: usize, derivative: Derivative) -> Interval {
-        self.range(joint, derivative)
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
+        self.extremes(joint, derivative)
     }
 
     fn tube(&self) -> WaveTube<'_> {
