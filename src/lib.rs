@@ -133,8 +133,9 @@ pub use {nalgebra, num_complex, rand};
 
 #[cfg(feature = "robot")]
 pub use collision::{
-    Certification, Checker, Clearance, CollisionModel, CollisionOptions, MinimumClearance, Moment,
-    Pair, PairContacts, PairStatus, Prover, Scene, SceneObject, SceneShape, Stretch, Work,
+    Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
+    MinimumClearance, Moment, Pair, PairContacts, PairStatus, Prover, Scene, SceneObject,
+    SceneShape, Stretch, Verified, Work,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,

@@ -105,7 +105,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "pairs": collision.pairs().iter().map(|p| json!({
             "links": [p.names.0, p.names.1],
             "checked": p.is_checked(),
-            "status": status(&p.status),
+            "status": p.status.to_string(),
         })).collect::<Vec<_>>(),
     });
     output::report(json, &value, || words(&verdict, &clearance, &collision));
@@ -152,24 +152,6 @@ fn words(verdict: &Verdict, clearance: &MinimumClearance, collision: &CollisionM
         "\ndoes not pass"
     });
     text
-}
-
-fn status(status: &PairStatus) -> String {
-    match status {
-        PairStatus::Checked => "checked".to_owned(),
-        PairStatus::TouchingAtRest => "checked, touching at rest".to_owned(),
-        PairStatus::Adjacent => "adjacent".to_owned(),
-        PairStatus::Rigid { touching: false } => "rigid".to_owned(),
-        PairStatus::Rigid { touching: true } => "rigid, touching".to_owned(),
-        PairStatus::Disabled { reason } => format!(
-            "disabled by SRDF: {}",
-            reason.as_deref().unwrap_or("no reason given")
-        ),
-        PairStatus::AlwaysTouching { samples, seed } => {
-            format!("touching in all {samples} random configurations of seed {seed}")
-        }
-        PairStatus::LeftOut => "left out".to_owned(),
-    }
 }
 
 pub(super) fn limit_json(limit: &LimitUse) -> Value {

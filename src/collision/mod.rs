@@ -1,6 +1,7 @@
 //! Collision of a robot with itself and with its surroundings: which pairs are kept apart, how far apart they are, and proofs that a
 //! motion keeps them so.
 
+mod certificate;
 mod certify;
 mod configuration;
 mod contacts;
@@ -11,13 +12,16 @@ mod pairs;
 mod part;
 mod scene;
 mod search;
+mod verify;
 
+pub use certificate::{Certificate, Evidence};
 pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
 pub use configuration::{Checker, Clearance};
 pub use contacts::PairContacts;
 pub use pairs::{Pair, PairStatus};
 pub use scene::{Scene, SceneObject, SceneShape};
 pub use search::Work;
+pub use verify::Verified;
 
 use nalgebra::Isometry3;
 
