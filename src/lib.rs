@@ -78,9 +78,9 @@
 //!
 //! # What a check assumes
 //!
-//! That the collision shapes of the URDF enclose the robot, that the arm is where it is commanded to be, and that nothing
-//! else is in reach. Self-collision is looked at on samples of a motion; between them, see
-//! [`CollisionModel::check_motion`]. This is no safety function in the sense of any standard.
+//! That the collision shapes of the URDF enclose the robot, that its joints are within the stated tolerance of the motion, and that
+//! the scene is all that is in reach. Under these, [`CollisionModel::certify`] proves that nothing touches at any time, between samples too, and
+//! a [`Certificate`] can be verified by other means. This is no safety function in the sense of any standard.
 //!
 //! # Features
 //!
