@@ -593,9 +593,14 @@ fn robots() -> Vec<(&'static str, Vec<u8>, Must)> {
             Load(20_000),
         ),
         (
+            "too_long_a_snake",
+            chain(30_001, "", |_| String::new()),
+            Refuse("30001 links"),
+        ),
+        (
             "longest_snake",
-            chain(74_000, "", |_| String::new()),
-            Load(74_000),
+            chain(30_000, "", |_| String::new()),
+            Load(30_000),
         ),
         (
             "fixed_snake",
