@@ -175,8 +175,8 @@ pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
-    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
-    Twist,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshEnclosure,
+    MeshFiles, Robot, Srdf, Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};

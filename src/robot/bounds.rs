@@ -144,12 +144,11 @@ impl Counts<'_> {
         let mut own = 0;
         for (i, byte) in bytes.iter().enumerate().skip(start + 1) {
             match (quote, byte) {
-                (Some(q), b) => {
-                    if q == b {
-                        quote = None;
-                        gap = true;
-                    }
+                (Some(q), b) if q == b => {
+                    quote = None;
+                    gap = true;
                 }
+                (Some(_), _) => {}
                 (None, b'"' | b'\'') => quote = Some(byte),
                 (None, b'>') => {
                     if bytes[i - 1] != b'/' {
