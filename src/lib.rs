@@ -143,7 +143,7 @@ pub use fourier::{
     Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Hull, Mesh, Shape, Solid};
+pub use geometry::{Decomposition, Enclosure, Hull, Mesh, Shape, Solid};
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};
 pub use posterior::Diagnostics;
@@ -159,8 +159,8 @@ pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
-    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
-    Twist,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshEnclosure,
+    MeshFiles, Robot, Srdf, Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};

@@ -137,7 +137,7 @@ fn a_cube_of_many_points_is_a_cube() {
     let hull = Hull::new(&points).unwrap();
     assert_eq!((hull.vertices().len(), hull.faces().len()), (8, 12));
     assert_eq!(hull.volume(), 216.0);
-    assert_eq!(hull.planes().len(), 6);
+    assert_eq!(hull.planes().len(), 12);
     let (centre, radius) = hull.bounding_sphere();
     assert!((centre - Point3::new(3.0, 3.0, 3.0)).norm() < 1e-12);
     assert!((radius - 27f64.sqrt()).abs() < 1e-12);

@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let wave = read_wave(&arguments.wave)?;
     let (robot, map) = arguments.robot.load(wave.joints())?;
     let wave = map.apply(&wave, &robot)?;
-    let left_out = arguments
+    let mut left_out = arguments
         .leave_out
         .iter()
         .map(|pair| {
@@ -61,6 +61,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 })
         })
         .collect::<Result<Vec<_>>>()?;
+    left_out.extend(arguments.robot.reading.disabled(&robot)?);
     let notes = tell_notes(&robot);
     let limits = limits(&robot, &wave)?;
     let looked_at = CollisionModel::new(&robot, &left_out).and_then(|collision| {

@@ -65,7 +65,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let rollout = track(&robot, &wave, &options)?;
     // What was achieved is looked at apart from what was commanded.
-    let contact = match CollisionModel::new(&robot, &[]) {
+    let left_out = arguments.robot.reading.disabled(&robot)?;
+    let contact = match CollisionModel::new(&robot, &left_out) {
         Ok(collision) => rollout.position.row_iter().enumerate().find_map(|(n, q)| {
             let q: Vec<f64> = q.iter().copied().collect();
             collision

@@ -6,7 +6,8 @@ use super::{BodyJoint, JointKind, Robot};
 use crate::fourier::Interval;
 
 /// A joint that turns farther than this \[rad\] in its limits is continuous, or its limits are degrees.
-const WIDEST: f64 = 2.0 * TAU;
+/// Two turns, and the rounding of printed digits.
+const WIDEST: f64 = 2.0 * TAU + 1e-3;
 
 /// A slide that is longer \[m\] was meant in millimetres.
 const LONGEST: f64 = 10.0;
@@ -108,7 +109,7 @@ mod tests {
             ("revolute", format!(r#"lower="-1" upper="1" {rest}"#), None),
             (
                 "revolute",
-                format!(r#"lower="-6.283" upper="6.283" {rest}"#),
+                format!(r#"lower="-6.28318530718" upper="6.28318530718" {rest}"#),
                 None,
             ),
             (
