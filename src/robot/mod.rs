@@ -126,7 +126,8 @@ pub struct Body {
     pub inertial: Option<Inertial>,
     /// Shapes that collide.
     pub collision: Vec<Solid>,
-    /// Shapes to be drawn: the visual primitives of its links, and where a link has none, its collision shapes.
+    /// Shapes to be drawn: the visual primitives of its links and the visual meshes that collide too, and where a link has
+    /// none, its collision shapes.
     pub visual: Vec<Solid>,
     /// Links whose collision geometry was not read, and why.
     pub unread_collision: Vec<String>,
