@@ -1,8 +1,9 @@
-//! Balls and capsules around points, found once when a shape is made.
+//! Balls and capsules around shapes, found once when a shape is made.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
-use super::convex::{Cylinder, perpendiculars};
+use super::bounds;
+use super::convex::Cylinder;
 
 /// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
