@@ -366,6 +366,11 @@ fn texts() -> Vec<(&'static str, Vec<u8>, Must)> {
             Refuse("document type"),
         ),
         (
+            "declaration",
+            bytes(more(&format!("<!ELEMENT a>{}", "<a>".repeat(1_000_000)))),
+            Refuse("line"),
+        ),
+        (
             "late_doctype",
             bytes(more("<!DOCTYPE r>")),
             Refuse("document type"),
