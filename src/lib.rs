@@ -148,7 +148,7 @@ pub use fourier::{
 #[cfg(feature = "robot")]
 pub use geometry::{
     Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape,
-    SignedDistance, Solid, Warm, intersects, separation, signed_distance,
+    SignedDistance, Solid, Warm, intersects, rough_separation, separation, signed_distance,
 };
 #[cfg(feature = "robot")]
 pub use motion::{Motion, Tube, WaveTube};

@@ -10,7 +10,8 @@ mod shape;
 
 pub use convex::{Convex, Placed, Placement};
 pub use distance::{
-    HalfSpace, Separation, SignedDistance, Warm, intersects, separation, signed_distance,
+    HalfSpace, Separation, SignedDistance, Warm, intersects, rough_separation, separation,
+    signed_distance,
 };
 pub(crate) use distance::{separation_with, signed_distance_with};
 pub use enclosing::{Ball, BoundingCapsule};

@@ -107,6 +107,7 @@ pub(crate) fn separation_with<S: Simd>(
     let margins = a.convex.margin() + b.convex.margin();
     let offset = b.placement.translation - a.placement.translation;
     let slack = slack(a, b, &offset);
+    let mut known = f64::NEG_INFINITY;
     if warm.direction != Vector3::zeros() {
         let lower = plane(simd, a, b, &offset, &warm.direction) - margins - slack;
         if lower > threshold && lower.is_finite() {
@@ -115,6 +116,7 @@ pub(crate) fn separation_with<S: Simd>(
                 upper: f64::INFINITY,
             };
         }
+        known = lower;
     }
     let relative = Relative::new(a, b, &offset);
     if !relative.is_finite() {
@@ -131,7 +133,11 @@ pub(crate) fn separation_with<S: Simd>(
         lower - margins - slack > threshold || upper - margins + slack <= threshold
     });
     let upper = if walk.inside { 0.0 } else { walk.upper };
-    Separation::checked(walk.lower - margins - slack, upper - margins + slack)
+    let lower = walk.lower - margins - slack;
+    Separation::checked(
+        if known > lower { known } else { lower },
+        upper - margins + slack,
+    )
 }
 
 /// The value of the plane across `u`, a unit vector in A's frame: no more than the signed distance of the cores, but for
@@ -237,3 +243,6 @@ impl Relative {
         (self.size + self.rotation.iter().sum::<f64>()).is_finite()
     }
 }
+
+#[cfg(test)]
+mod tests;

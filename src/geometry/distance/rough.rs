@@ -13,11 +13,11 @@ pub fn rough_separation(a: Placed, b: Placed, threshold: f64) -> f64 {
     let (p, q) = (a.convex.ball(), b.convex.ball());
     let way = turn(rb, &q.center) + offset - turn(ra, &p.center);
     let by_balls = dot(&way, &way).sqrt() - (p.radius + q.radius) - slack;
+    if !by_balls.is_finite() {
+        return f64::NEG_INFINITY;
+    }
     if by_balls > threshold {
         return by_balls;
-    }
-    if by_balls.is_nan() {
-        return f64::NEG_INFINITY;
     }
     let (p, q) = (a.convex.capsule(), b.convex.capsule());
     let ends = [
