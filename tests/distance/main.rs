@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/double_double.rs"]
+mod double_double;
 
 mod analytic;
 mod brute;

@@ -87,7 +87,8 @@ pub fn separation(a: Placed, b: Placed, warm: &mut Warm, threshold: f64) -> Sepa
 
 /// Whether `a` and `b` touch or overlap, or are so near that rounding cannot tell.
 pub fn intersects(a: Placed, b: Placed, warm: &mut Warm) -> bool {
-    !(separation(a, b, warm, 0.0).lower > 0.0)
+    // A lower bound is never NaN.
+    separation(a, b, warm, 0.0).lower <= 0.0
 }
 
 /// Signed distance and nearest points of `a` and `b`, to 1e-9 m for shapes of metres.
