@@ -154,8 +154,8 @@ pub use fourier::{
 #[cfg(feature = "robot")]
 pub use geometry::{
     Ball, BoundingCapsule, Convex, Decomposition, Enclosure, HalfSpace, Hull, Mesh, Placed,
-    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, separation,
-    signed_distance,
+    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, rough_separation,
+    separation, signed_distance,
 };
 #[cfg(feature = "robot")]
 pub use motion::{

@@ -36,6 +36,9 @@ use part::{Part, PartGeometry};
 /// Composing the frames of joints rounds: by less than this many machine epsilons of the lengths involved for each of them.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// No robot has more, and memory grows with them.
+const MOST_PAIRS: usize = 200_000;
+
 /// What pairs are checked and how closely, where the default is not what is wanted.
 #[derive(Debug, Clone, Default)]
 pub struct CollisionOptions {
@@ -85,21 +88,7 @@ impl CollisionModel {
     /// nothing to check: what is not known is not called free.
     pub fn new(robot: &Robot, options: &CollisionOptions) -> Result<Self> {
         let here = |e: Error| e.at(format!("robot `{}`", robot.name()));
-        let unread: Vec<&str> = robot
-            .bodies()
-            .iter()
-            .flat_map(|b| b.unread_collision.iter().map(String::as_str))
-            .collect();
-        if let Some(first) = unread.first() {
-            return Err(here(
-                Error::new(
-                    ErrorKind::Unsupported,
-                    format!("{} collision meshes were not read, first {first}", unread.len()),
-                )
-                .expected("a collision shape of every link that has one in the file")
-                .help("say where meshes are with --meshes, or replace them by primitives; limits and simulation work without"),
-            ));
-        }
+        robot.require_collision()?;
         let frames = Frames::new(robot);
         let mut parts = options
             .scene
@@ -137,6 +126,14 @@ impl CollisionModel {
                     "too few links have collision shapes for any to touch",
                 )
                 .help("add <collision> elements to the URDF"),
+            ));
+        }
+        let count = parts.len() * (parts.len() - 1) / 2 - scene * scene.saturating_sub(1) / 2;
+        if count > MOST_PAIRS {
+            return Err(here(
+                Error::new(ErrorKind::Unsupported, format!("{count} pairs of links"))
+                    .expected(format!("at most {MOST_PAIRS}"))
+                    .help("join links by fixed joints, or take collision shapes off those that cannot touch"),
             ));
         }
         let pairs = pairs::pairs(robot, &parts, scene, options).map_err(here)?;

@@ -79,7 +79,7 @@ impl Convex {
     /// `shape` at `pose` on its body.
     ///
     /// # Errors
-    /// When a length or a coordinate is not finite, negative or beyond 1e12 m.
+    /// When a radius is negative, or a length or a coordinate is not finite or beyond 1e12 m.
     pub fn new(shape: &Shape, pose: &Isometry3<f64>) -> Result<Self> {
         let along = |length: f64| {
             [-0.5, 0.5].map(|end| pose.transform_point(&Point3::new(0.0, 0.0, end * length)))
