@@ -2,9 +2,33 @@
 
 use undulate::{CollisionOptions, LoadOptions, MeshFiles, Robot, Srdf, shipped};
 
+/// Two balls of 5 mm on arms of 1 m that turn about one post: a touch is over in milliseconds.
+pub fn thin_carousel() -> Robot {
+    let arm = |name: &str| {
+        format!(
+            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.005"/></geometry></collision></link>
+            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
+        )
+    };
+    Robot::from_urdf(&format!(
+        r#"<robot name="thin_carousel"><link name="post"/>{}{}</robot>"#,
+        arm("one"),
+        arm("two")
+    ))
+    .unwrap()
+}
+
 pub fn robots() -> Vec<(&'static str, Robot, CollisionOptions, u64)> {
     let wave_arm = shipped::robot("wave_arm").unwrap();
-    let mut robots = vec![("wave_arm", wave_arm, CollisionOptions::default(), 60)];
+    let mut robots = vec![
+        ("wave_arm", wave_arm, CollisionOptions::default(), 40),
+        (
+            "thin_carousel",
+            thin_carousel(),
+            CollisionOptions::default(),
+            200,
+        ),
+    ];
     if let Some(folder) = crate::common::shared("certificates of real robots") {
         for (name, urdf, srdf) in [
             ("ur5", "ur5/ur5_robot.urdf", Some("ur5/ur5.srdf")),
@@ -27,7 +51,7 @@ pub fn robots() -> Vec<(&'static str, Robot, CollisionOptions, u64)> {
                 always_touching: Some((200, 0)),
                 ..CollisionOptions::default()
             };
-            robots.push((name, robot, options, 20));
+            robots.push((name, robot, options, 10));
         }
     }
     robots
