@@ -78,9 +78,9 @@
 //!
 //! # What a check assumes
 //!
-//! That the collision shapes of the URDF enclose the robot, that the arm is where it is commanded to be, and that nothing
-//! else is in reach. Self-collision is looked at on samples of a motion; between them, see
-//! [`CollisionModel::check_motion`]. This is no safety function in the sense of any standard.
+//! That the collision shapes of the URDF enclose the robot, that its joints are within the stated tolerance of the motion, and that
+//! the scene is all that is in reach. Under these, [`CollisionModel::certify`] proves that nothing touches at any time, between samples too, and
+//! a [`Certificate`] can be verified by other means. This is no safety function in the sense of any standard.
 //!
 //! # Features
 //!
@@ -123,6 +123,7 @@ mod robot;
 pub mod shipped;
 #[cfg(feature = "simulation")]
 mod simulation;
+mod table;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod units;
@@ -132,26 +133,35 @@ pub use {nalgebra, num_complex, rand};
 
 #[cfg(feature = "robot")]
 pub use collision::{
-    Certification, Checker, Clearance, CollisionModel, CollisionOptions, MinimumClearance, Moment,
-    Pair, PairStatus, Prover, Stretch, Work,
+    Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
+    MinimumClearance, Moment, Pair, PairContacts, PairStatus, Prover, Scene, SceneObject,
+    SceneShape, Stretch, Verified, Work,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
     Duration, Leakage, LeftOut, Recording, Variation, synthetic,
 };
-pub use error::{Error, ErrorKind, Result};
+pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
-pub use feasibility::{LimitUse, Verdict, limits};
+pub use feasibility::{
+    JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
+    without_velocity_limit,
+};
 pub use fourier::{
-    Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
+    Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
+    State, Wave,
 };
 #[cfg(feature = "robot")]
 pub use geometry::{
-    Ball, BoundingCapsule, Convex, HalfSpace, Hull, Mesh, Placed, Placement, Separation, Shape,
-    SignedDistance, Solid, Warm, intersects, rough_separation, separation, signed_distance,
+    Ball, BoundingCapsule, Convex, Decomposition, Enclosure, HalfSpace, Hull, Mesh, Placed,
+    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, rough_separation,
+    separation, signed_distance,
 };
 #[cfg(feature = "robot")]
-pub use motion::{Motion, Tube, WaveTube};
+pub use motion::{
+    Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
+    WaveTube, Waypoint, Waypoints,
+};
 pub use posterior::Diagnostics;
 pub use primitive::{
     Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,
@@ -164,7 +174,9 @@ pub use primitive::{
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
-    Body, BodyJoint, Dynamics, GRAVITY, Inertial, JointKind, JointProperties, Link, Robot,
+    Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshEnclosure,
+    MeshFiles, Robot, Srdf, Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
@@ -190,9 +202,13 @@ const _: () = {
         shared::<Shape>();
         shared::<Robot>();
         shared::<Dynamics>();
+        shared::<Kinematics>();
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();
+        shared::<Spline>();
+        shared::<PlayMotion>();
+        shared::<JointLimits>();
     }
     #[cfg(feature = "simulation")]
     shared::<Rollout>();

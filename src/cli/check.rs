@@ -9,9 +9,7 @@ use super::robot::RobotArguments;
 use super::robot::tell_notes;
 use super::simulate::units;
 use super::{Outcome, output, read_wave};
-use crate::collision::{
-    Certification, CollisionModel, CollisionOptions, MinimumClearance, PairStatus,
-};
+use crate::collision::{Certification, CollisionModel, MinimumClearance, PairStatus};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{LimitUse, Verdict, limits};
 use crate::fourier::Derivative;
@@ -63,10 +61,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 })
         })
         .collect::<Result<Vec<_>>>()?;
-    let options = CollisionOptions {
-        left_out,
-        ..CollisionOptions::default()
-    };
+    let mut options = arguments.robot.reading.collision(&robot)?;
+    options.left_out = left_out;
     let notes = tell_notes(&robot);
     let limits = limits(&robot, &wave)?;
     let looked_at = CollisionModel::new(&robot, &options).and_then(|collision| {
@@ -109,7 +105,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "pairs": collision.pairs().iter().map(|p| json!({
             "links": [p.names.0, p.names.1],
             "checked": p.is_checked(),
-            "status": status(&p.status),
+            "status": p.status.to_string(),
         })).collect::<Vec<_>>(),
     });
     output::report(json, &value, || words(&verdict, &clearance, &collision));
@@ -156,23 +152,6 @@ fn words(verdict: &Verdict, clearance: &MinimumClearance, collision: &CollisionM
         "\ndoes not pass"
     });
     text
-}
-
-fn status(status: &PairStatus) -> String {
-    match status {
-        PairStatus::Checked => "checked".to_owned(),
-        PairStatus::TouchingAtRest => "checked, touching at rest".to_owned(),
-        PairStatus::Adjacent => "adjacent".to_owned(),
-        PairStatus::Rigid => "rigid".to_owned(),
-        PairStatus::Disabled { reason } => format!(
-            "disabled by SRDF: {}",
-            reason.as_deref().unwrap_or("no reason given")
-        ),
-        PairStatus::AlwaysTouching { samples, seed } => {
-            format!("touching in all {samples} random configurations of seed {seed}")
-        }
-        PairStatus::LeftOut => "left out".to_owned(),
-    }
 }
 
 pub(super) fn limit_json(limit: &LimitUse) -> Value {

@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 use rand::distr::Distribution;
 use serde_json::json;
 
-use super::robot::{joint_map, robot};
+use super::robot::{Reading, joint_map};
 use super::{Outcome, output, read_model};
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure::{Image, Poses};
@@ -42,6 +42,8 @@ pub(super) struct Arguments {
     /// A URDF file, or the name of a shipped robot.
     #[arg(value_name = "ROBOT")]
     robot: String,
+    #[command(flatten)]
+    reading: Reading,
     /// The map to show; as in `undulate check`.
     #[arg(long, value_name = "TOML|NAME", conflicts_with = "init")]
     map: Option<String>,
@@ -55,7 +57,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let primitive = read_model(&arguments.model)?;
-    let robot = robot(&arguments.robot)?;
+    let robot = arguments.reading.robot(&arguments.robot)?;
     let learned = primitive.chart().joints();
     if arguments.init {
         let path = arguments

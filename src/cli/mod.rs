@@ -5,6 +5,7 @@ mod check;
 mod compare_estimators;
 mod compare_periods;
 mod condition;
+mod describe;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -59,6 +60,7 @@ enum Verb {
     Check(check::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Robot(describe::Arguments),
 }
 
 /// What a verb came to, where it came to something.
@@ -82,6 +84,7 @@ pub fn main() -> ExitCode {
         Verb::Check(arguments) => check::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

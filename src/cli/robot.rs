@@ -5,11 +5,114 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{output, read_text};
-use crate::error::{Error, ErrorKind, Result};
+use crate::collision::{CollisionOptions, Scene};
+use crate::error::{Error, ErrorKind, Result, listed};
 use crate::fourier::Joints;
+use crate::geometry::Decomposition;
 use crate::retarget::JointMap;
-use crate::robot::Robot;
+use crate::robot::{Inconsistent, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf};
 use crate::shipped;
+
+/// How a URDF file is read, whatever is done with it.
+#[derive(Args, Clone, Default)]
+pub(super) struct Reading {
+    /// A folder in which the URDF's meshes are looked for, after its own; may be given several times.
+    #[arg(long, value_name = "FOLDER")]
+    meshes: Vec<PathBuf>,
+    /// An SRDF file: pairs of links that need not be kept apart, groups.
+    #[arg(long, value_name = "FILE")]
+    srdf: Option<PathBuf>,
+    /// A scene (TOML): what stands around the robot.
+    #[arg(long, value_name = "TOML")]
+    scene: Option<PathBuf>,
+    /// Put the nearest consistent inertia in the place of those that no body has.
+    #[arg(long)]
+    mend_inertia: bool,
+    /// Take meshes apart into at most so many convex hulls, instead of one around all.
+    #[arg(long, value_name = "PARTS", num_args = 0..=1, default_missing_value = "8")]
+    decompose: Option<usize>,
+}
+
+impl Reading {
+    /// A robot by path or by shipped name; a file goes first.
+    pub fn robot(&self, name: &str) -> Result<Robot> {
+        self.robot_with(name, false)
+    }
+
+    /// The same, and how closely hulls enclose meshes is measured where asked for.
+    pub fn robot_with(&self, name: &str, measure: bool) -> Result<Robot> {
+        let path = Path::new(name);
+        if is_file(path) {
+            let mut options = self.options()?;
+            options.measure = measure;
+            return Robot::open_with(path, options);
+        }
+        shipped::robot(name).map_err(|e| match e.kind() {
+            ErrorKind::Name => {
+                Error::new(ErrorKind::Name, format!("no robot `{}`", listed(&[name]))).expected(
+                    format!(
+                        "a URDF file, or a shipped robot: {}",
+                        shipped::robots().collect::<Vec<_>>().join(", ")
+                    ),
+                )
+            }
+            _ => e,
+        })
+    }
+
+    fn options(&self) -> Result<LoadOptions> {
+        let convex = match self.decompose {
+            None => MeshConvex::Hull,
+            Some(parts @ 1..=64) => MeshConvex::Parts(Decomposition {
+                parts,
+                ..Decomposition::default()
+            }),
+            Some(parts) => {
+                return Err(
+                    Error::new(ErrorKind::Setting, format!("--decompose {parts}"))
+                        .expected("1 to 64 parts"),
+                );
+            }
+        };
+        Ok(LoadOptions {
+            convex,
+            meshes: MeshFiles::Folders(self.meshes.clone()),
+            inertia: match self.mend_inertia {
+                true => Inconsistent::Mend,
+                false => Inconsistent::Refuse,
+            },
+            ..LoadOptions::default()
+        })
+    }
+
+    /// The SRDF, where one is given; what of it does not fit the robot is told.
+    pub fn srdf(&self, robot: &Robot) -> Result<Option<Srdf>> {
+        let Some(path) = &self.srdf else {
+            return Ok(None);
+        };
+        let srdf = Srdf::open(path)?;
+        for note in srdf.told(robot) {
+            output::warn(note);
+        }
+        Ok(Some(srdf))
+    }
+
+    /// What is kept apart: the SRDF's word on it, and the scene.
+    pub fn collision(&self, robot: &Robot) -> Result<CollisionOptions> {
+        let srdf = self.srdf(robot)?;
+        let scene = self.scene.as_deref().map(Scene::open).transpose()?;
+        Ok(CollisionOptions {
+            disabled: srdf.map(|s| s.disabled().to_vec()).unwrap_or_default(),
+            scene: scene.unwrap_or_default(),
+            ..CollisionOptions::default()
+        })
+    }
+}
+
+/// Whether a URDF may be read there: a pipe will do too.
+fn is_file(path: &Path) -> bool {
+    path.metadata().is_ok_and(|m| !m.is_dir())
+}
 
 #[derive(Args)]
 pub(super) struct RobotArguments {
@@ -19,29 +122,14 @@ pub(super) struct RobotArguments {
     /// A joint map (TOML), or the name of a shipped one. Default: for a shipped robot, the shipped map that fits the joints; else equal names.
     #[arg(long, value_name = "TOML|NAME")]
     pub map: Option<String>,
-}
-
-/// A robot by path or by shipped name; a file goes first.
-pub(super) fn robot(name: &str) -> Result<Robot> {
-    let path = Path::new(name);
-    if path.is_file() {
-        return Robot::open(path);
-    }
-    shipped::robot(name).map_err(|e| match e.kind() {
-        ErrorKind::Name => {
-            Error::new(ErrorKind::Name, format!("no robot `{name}`")).expected(format!(
-                "a URDF file, or a shipped robot: {}",
-                shipped::robots().collect::<Vec<_>>().join(", ")
-            ))
-        }
-        _ => e,
-    })
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 /// The map for waves of `learned` joints on a robot.
 pub(super) fn joint_map(name: Option<&str>, robot: &str, learned: &Joints) -> Result<JointMap> {
     let Some(name) = name else {
-        let found = if Path::new(robot).is_file() {
+        let found = if is_file(Path::new(robot)) {
             None
         } else {
             shipped::map_for(robot, learned)?
@@ -67,7 +155,7 @@ impl RobotArguments {
     /// The robot, and the map for waves of `learned` joints on it.
     pub fn load(&self, learned: &Joints) -> Result<(Robot, JointMap)> {
         Ok((
-            robot(&self.robot)?,
+            self.reading.robot(&self.robot)?,
             joint_map(self.map.as_deref(), &self.robot, learned)?,
         ))
     }

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::robot::{RobotArguments, tell_notes};
+use super::robot::{Reading, RobotArguments, tell_notes};
 use super::source::Source;
 use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
-use crate::collision::{Certification, CollisionModel, CollisionOptions};
+use crate::collision::{Certification, CollisionModel};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
 use crate::fourier::{Derivative, Joints, PeriodGrid, Wave};
@@ -52,6 +52,8 @@ pub(super) struct Arguments {
     /// The joint map for --robot, as in `undulate check`.
     #[arg(long, value_name = "TOML|NAME", requires = "robot")]
     map: Option<String>,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     wishes: Wishes,
     /// Where in its period a wave starts: `kept` as the demonstrations did, `redrawn` anywhere, or at a phase of its strongest harmonic, such as 0deg,
@@ -98,11 +100,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let bounds = Bounds::new(primitive.chart().joints(), &arguments.within)?;
     let gate = match &arguments.robot {
         Some(robot) => {
-            let (robot, map) = (robot.clone(), arguments.map.clone());
-            Some(Gate::new(
-                &RobotArguments { robot, map },
-                primitive.chart().joints(),
-            )?)
+            let arguments = RobotArguments {
+                robot: robot.clone(),
+                map: arguments.map.clone(),
+                reading: arguments.reading.clone(),
+            };
+            Some(Gate::new(&arguments, primitive.chart().joints())?)
         }
         None => None,
     };
@@ -220,7 +223,7 @@ impl Gate {
     fn new(arguments: &RobotArguments, learned: &Joints) -> Result<Self> {
         let (robot, map) = arguments.load(learned)?;
         tell_notes(&robot);
-        let collision = CollisionModel::new(&robot, &CollisionOptions::default())?;
+        let collision = CollisionModel::new(&robot, &arguments.reading.collision(&robot)?)?;
         Ok(Self {
             robot,
             map,

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::robot::RobotArguments;
 use super::{Outcome, output, read_wave};
-use crate::collision::{CollisionModel, CollisionOptions};
+use crate::collision::CollisionModel;
 use crate::error::Result;
 use crate::feasibility::{LimitUse, limits};
 use crate::fourier::Derivative;
@@ -65,7 +65,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let rollout = track(&robot, &wave, &options)?;
     // What was achieved is looked at apart from what was commanded.
-    let contact = match CollisionModel::new(&robot, &CollisionOptions::default()) {
+    let options = arguments.robot.reading.collision(&robot)?;
+    let contact = match CollisionModel::new(&robot, &options) {
         Ok(collision) => {
             let mut checker = collision.checker();
             rollout.position.row_iter().enumerate().find_map(|(n, q)| {

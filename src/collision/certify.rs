@@ -1,7 +1,7 @@
 //! The certificate: a proof that a motion keeps every pair apart, between the samples too.
 
 use super::CollisionModel;
-use super::search::{At, Found, Goal, Search, Work};
+use super::search::{At, Found, Goal, Leaf, Search, Work};
 use crate::error::{Error, ErrorKind, Result};
 use crate::motion::Motion;
 
@@ -10,6 +10,8 @@ use crate::motion::Motion;
 pub struct Moment {
     /// Their names.
     pub pair: (String, String),
+    /// Whether the first is an object of the scene.
+    pub is_with_scene: bool,
     /// \[s\]
     pub time: f64,
     /// The distance, or a bound on it \[m\]; negative when they overlap, then minus the depth. Less what padding the pair has.
@@ -139,32 +141,52 @@ impl Prover<'_> {
         tolerance: &[f64],
     ) -> Result<Certification> {
         let found = self.found(motion, margin, tolerance, false)?;
+        Ok(self.told(&found, motion))
+    }
+
+    pub(super) fn model(&self) -> &CollisionModel {
+        self.model
+    }
+
+    /// [`certify`](Self::certify) with the tree of the proof, and a little to spare in every step of it.
+    pub(super) fn with_leaves<M: Motion>(
+        &mut self,
+        motion: &M,
+        margin: f64,
+        tolerance: &[f64],
+    ) -> Result<(Certification, Vec<Leaf>)> {
+        let mut found = self.found(motion, margin + SPARE, tolerance, true)?;
+        let leaves = found.leaves.take().unwrap_or_default();
+        Ok((self.told(&found, motion), leaves))
+    }
+
+    fn told<M: Motion>(&self, found: &Found, motion: &M) -> Certification {
         let model = self.model;
         let work = found.work;
         if let Some(witness) = found.upper {
-            return Ok(Certification::Collides {
+            return Certification::Collides {
                 witness: model.moment(&witness, Some(motion)),
                 work,
-            });
+            };
         }
         if !found.undecided.is_empty() {
-            return Ok(Certification::Undecided {
-                stretches: model.stretches(&found),
+            return Certification::Undecided {
+                stretches: model.stretches(found),
                 work,
-            });
+            };
         }
         let bound = found.lower.unwrap_or(At {
             distance: f64::INFINITY,
             pair: model.checked[0],
             time: 0.0,
         });
-        Ok(Certification::Clear {
+        Certification::Clear {
             bound: model.moment(&bound, None::<&M>),
             work,
-        })
+        }
     }
 
-    pub(super) fn found<M: Motion>(
+    fn found<M: Motion>(
         &mut self,
         motion: &M,
         margin: f64,
@@ -230,6 +252,9 @@ impl Prover<'_> {
     }
 }
 
+/// What a proof that is kept has to spare in every step \[m\]: whoever verifies it computes with other roundings.
+const SPARE: f64 = 1e-7;
+
 /// Distances are known no better \[m\].
 const FINEST: f64 = 1e-9;
 
@@ -245,6 +270,7 @@ impl CollisionModel {
         });
         Moment {
             pair: self.names(at.pair),
+            is_with_scene: self.pairs[at.pair].parts.0 < self.scene,
             time: at.time,
             distance,
         }

@@ -4,7 +4,9 @@ use nalgebra::Point3;
 
 use super::CollisionModel;
 use super::part::PartGeometry;
-use crate::geometry::{Convex, Placement, Warm, separation, signed_distance};
+use crate::geometry::{
+    Convex, HalfSpace, Placed, Placement, Warm, rough_separation, separation, signed_distance,
+};
 
 /// The smallest distance between the parts of a pair, or of all checked pairs, at one configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,7 +152,9 @@ impl<'m> Checker<'m> {
         let padding = self.model.pairs[pair].padding;
         self.any_convex_pair(pair, |a, b, warm| match a {
             Other::Convex(convex, placed) => {
-                !(separation(convex.at(placed), b, warm, padding).lower > padding)
+                let a = convex.at(placed);
+                !(rough_separation(a, b, padding) > padding
+                    || separation(a, b, warm, padding).lower > padding)
             }
             Other::HalfSpace(half_space) => !(half_space.separation(b).lower > padding),
         })
@@ -165,10 +169,13 @@ impl<'m> Checker<'m> {
         self.any_convex_pair(pair, |a, b, warm| {
             let (distance, at) = match a {
                 Other::Convex(convex, placed) => {
-                    if separation(convex.at(placed), b, warm, least).lower > least {
+                    let a = convex.at(placed);
+                    if rough_separation(a, b, least) > least
+                        || separation(a, b, warm, least).lower > least
+                    {
                         return false;
                     }
-                    let signed = signed_distance(convex.at(placed), b, warm);
+                    let signed = signed_distance(a, b, warm);
                     (signed.distance, signed.points)
                 }
                 Other::HalfSpace(half_space) => {
@@ -193,7 +200,7 @@ impl<'m> Checker<'m> {
     fn any_convex_pair(
         &mut self,
         pair: usize,
-        mut is: impl FnMut(Other, crate::geometry::Placed, &mut Warm) -> bool,
+        mut is: impl FnMut(Other, Placed, &mut Warm) -> bool,
     ) -> bool {
         let model = self.model;
         let (a, b) = model.pairs[pair].parts;
@@ -229,5 +236,5 @@ impl<'m> Checker<'m> {
 /// The first of two shapes.
 enum Other<'a> {
     Convex(&'a Convex, &'a Placement),
-    HalfSpace(&'a crate::geometry::HalfSpace),
+    HalfSpace(&'a HalfSpace),
 }

@@ -1,19 +1,27 @@
 //! Collision of a robot with itself and with its surroundings: which pairs are kept apart, how far apart they are, and proofs that a
 //! motion keeps them so.
 
+mod certificate;
 mod certify;
 mod configuration;
+mod contacts;
 mod displacement;
 mod filter;
 mod frames;
 mod pairs;
 mod part;
+mod scene;
 mod search;
+mod verify;
 
+pub use certificate::{Certificate, Evidence};
 pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
 pub use configuration::{Checker, Clearance};
+pub use contacts::PairContacts;
 pub use pairs::{Pair, PairStatus};
+pub use scene::{Scene, SceneObject, SceneShape};
 pub use search::Work;
+pub use verify::Verified;
 
 use nalgebra::Isometry3;
 
@@ -37,6 +45,8 @@ pub struct CollisionOptions {
     pub kept: Vec<(String, String)>,
     /// Pairs that an SRDF disables, each with the reason that it gives.
     pub disabled: Vec<(String, String, Option<String>)>,
+    /// What stands around the robot.
+    pub scene: Scene,
     /// Leaves out the pairs that touch in every one of so many random configurations, drawn from a seed.
     pub always_touching: Option<(usize, u64)>,
     /// Every pair must stay farther apart than this \[m\]; distances are given less this.
@@ -53,6 +63,8 @@ pub struct CollisionModel {
     frames: Frames,
     /// Of the scene, then of the robot's links, parents first.
     parts: Vec<Part>,
+    /// How many of them are the scene's.
+    scene: usize,
     pairs: Vec<Pair>,
     /// The pairs that are checked.
     checked: Vec<usize>,
@@ -89,7 +101,24 @@ impl CollisionModel {
             ));
         }
         let frames = Frames::new(robot);
-        let mut parts = Vec::new();
+        let mut parts = options
+            .scene
+            .objects()
+            .iter()
+            .map(Part::of_object)
+            .collect::<Result<Vec<_>>>()?;
+        for object in &parts {
+            if robot.links().iter().any(|link| link.name == object.name) {
+                return Err(here(Error::new(
+                    ErrorKind::Name,
+                    format!(
+                        "an object of the scene is called `{}`, as a link is",
+                        object.name
+                    ),
+                )));
+            }
+        }
+        let scene = parts.len();
         for (index, link) in robot.links().iter().enumerate() {
             let solids: Vec<&Solid> = robot.bodies()[link.body]
                 .collision
@@ -101,16 +130,16 @@ impl CollisionModel {
                 parts.push(Part::new(link.name.clone(), link.body, &frame, &solids).map_err(here)?);
             }
         }
-        if parts.len() < 2 {
+        if parts.len() == scene || parts.len() < 2 {
             return Err(here(
                 Error::new(
                     ErrorKind::Infeasible,
-                    "fewer than two links have collision shapes",
+                    "too few links have collision shapes for any to touch",
                 )
                 .help("add <collision> elements to the URDF"),
             ));
         }
-        let pairs = pairs::pairs(robot, &parts, 0, options)?;
+        let pairs = pairs::pairs(robot, &parts, scene, options).map_err(here)?;
         let (chains, rows) = displacement::chains(&frames, &parts, &pairs);
         let mut first_convex_pair = vec![0];
         for pair in &pairs {
@@ -128,6 +157,7 @@ impl CollisionModel {
             joints: robot.joints().clone(),
             frames,
             parts,
+            scene,
             pairs,
             checked: Vec::new(),
             chains,
@@ -136,10 +166,22 @@ impl CollisionModel {
             rounding,
         };
         model.checked = model.those_checked();
-        let mut checker = model.checker();
-        let touching = checker.touching(&robot.rest());
+        if let Some((samples, seed)) = options.always_touching {
+            let contacts = model.contacts(robot, samples, seed)?;
+            for (pair, touching) in contacts.iter().enumerate() {
+                if *touching == samples && model.pairs[pair].is_checked() {
+                    model.pairs[pair].status = PairStatus::AlwaysTouching { samples, seed };
+                }
+            }
+            model.checked = model.those_checked();
+        }
+        let touching = model.checker().touching(&robot.rest());
         for pair in touching {
-            model.pairs[pair].status = PairStatus::TouchingAtRest;
+            match &mut model.pairs[pair].status {
+                status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
+                PairStatus::Rigid { touching } => *touching = true,
+                _ => {}
+            }
         }
         Ok(model)
     }

@@ -16,7 +16,10 @@ pub enum PairStatus {
     /// Not checked: one carries the other, by a joint or with links without shapes between, and their shapes overlap by design.
     Adjacent,
     /// Not checked: no joint lies between, so they never move against each other.
-    Rigid,
+    Rigid {
+        /// Whether they touch, now and always.
+        touching: bool,
+    },
     /// Not checked: an SRDF disables it, for the reason that it gives.
     Disabled {
         /// As the file has it, if it does.
@@ -77,7 +80,7 @@ pub(super) fn pairs(
         for a in 0..b {
             let names = (parts[a].name.clone(), parts[b].name.clone());
             let status = if parts[a].body == parts[b].body {
-                PairStatus::Rigid
+                PairStatus::Rigid { touching: false }
             } else if a >= scene && neighbours.contains(&(names.0.as_str(), names.1.as_str())) {
                 PairStatus::Adjacent
             } else {
@@ -123,7 +126,7 @@ pub(super) fn pairs(
     }
     for names in &options.kept {
         each(names, &|pair| {
-            if pair.status != PairStatus::Rigid {
+            if !matches!(pair.status, PairStatus::Rigid { .. }) {
                 pair.status = PairStatus::Checked;
             }
         })?;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::scene::{SceneObject, SceneShape};
 use crate::error::Result;
 use crate::geometry::{Ball, BoundingCapsule, Convex, HalfSpace, Solid};
 
@@ -55,6 +56,29 @@ impl Part {
                 capsule,
             },
         })
+    }
+
+    /// An object of a scene.
+    ///
+    /// # Errors
+    /// When a length or coordinate is not finite or out of all proportion.
+    pub fn of_object(object: &SceneObject) -> Result<Self> {
+        match &object.shape {
+            SceneShape::Solid(shape, pose) => {
+                let solid = Solid {
+                    shape: shape.clone(),
+                    pose: *pose,
+                    link: 0,
+                    color: None,
+                };
+                Self::new(object.name.clone(), 0, &Isometry3::identity(), &[&solid])
+            }
+            SceneShape::HalfSpace(half_space) => Ok(Self {
+                name: object.name.clone(),
+                body: 0,
+                geometry: PartGeometry::HalfSpace(*half_space),
+            }),
+        }
     }
 
     /// The largest distance of a point from the body's origin \[m\]; of a half-space that of its plane.

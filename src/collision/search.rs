@@ -4,7 +4,7 @@ use super::CollisionModel;
 use super::filter::{Four, PairBounds};
 use super::frames::lane_of;
 use super::part::PartGeometry;
-use crate::geometry::{Convex, Placement, Warm, separation_with, signed_distance_with};
+use crate::geometry::{Warm, rough_separation, separation_with, signed_distance_with};
 use crate::motion::{LANES, Motion, Tube};
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -90,7 +90,7 @@ pub(super) struct Search<'m> {
     warm: Vec<Warm>,
     pieces: Vec<(f64, f64)>,
     nodes: Vec<Node>,
-    /// Pairs of the nodes, those of the last node at the end.
+    /// Pairs of the nodes: all, which every piece has, then those of the halves, of the last one at the end.
     open: Vec<usize>,
     /// Of each pair, in which of four intervals it is open, as bits.
     lanes: Vec<u8>,
@@ -135,13 +135,12 @@ impl<'m> Search<'m> {
         if all.is_empty() {
             return found;
         }
+        self.open.extend_from_slice(all);
         for (middle, half) in self.pieces.iter().rev() {
-            let start = self.open.len();
-            self.open.extend_from_slice(all);
             self.nodes.push(Node {
                 middle: *middle,
                 half: *half,
-                pairs: (start, self.open.len()),
+                pairs: (0, all.len()),
                 lower: f64::NEG_INFINITY,
             });
         }
@@ -245,7 +244,8 @@ impl<'m> Search<'m> {
             start = start.min(node.pairs.0);
             *slot = node;
         }
-        self.open.truncate(start);
+        // The first are those of every piece.
+        self.open.truncate(start.max(self.model.checked.len()));
         (nodes, count)
     }
 
@@ -318,15 +318,15 @@ impl<'m> Search<'m> {
                     .iter()
                     .flat_map(|other| convexes.iter().map(move |c| (other, c)));
                 for (i, (other, convex)) in combinations.enumerate() {
+                    let (placed_a, placed_b) = (other.at(&placed_a), convex.at(&placed_b));
                     if others.len() * convexes.len() > 1 {
-                        let gap = ball_gap((other, &placed_a), (convex, &placed_b));
+                        let gap = rough_separation(placed_a, placed_b, needed);
                         if gap > needed {
                             lower = lower.min(gap);
                             continue;
                         }
                     }
                     found.work.distances += 1;
-                    let (placed_a, placed_b) = (other.at(&placed_a), convex.at(&placed_b));
                     let warm = &mut self.warm[first + i];
                     let between = separation_with(simd, placed_a, placed_b, warm, needed);
                     let (mut below, mut above) = (between.lower, between.upper);
@@ -452,10 +452,4 @@ impl Found {
             time: node.middle,
         });
     }
-}
-
-#[inline(always)]
-fn ball_gap(a: (&Convex, &Placement), b: (&Convex, &Placement)) -> f64 {
-    let (ball_a, ball_b) = (a.0.ball(), b.0.ball());
-    (a.1.point(&ball_a.center) - b.1.point(&ball_b.center)).norm() - ball_a.radius - ball_b.radius
 }

@@ -1,5 +1,6 @@
 //! Names of joints: the one way in which learned joints and robot joints find each other.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::error::{Error, ErrorKind, Result, listed};
@@ -16,6 +17,7 @@ impl Joints {
         if names.is_empty() {
             return Err(Error::new(ErrorKind::Shape, "no joints").expected("at least one"));
         }
+        let mut seen = BTreeSet::new();
         for (i, name) in names.iter().enumerate() {
             if name.trim().is_empty() {
                 return Err(Error::new(
@@ -23,7 +25,7 @@ impl Joints {
                     format!("joint {} has no name", i + 1),
                 ));
             }
-            if names[..i].contains(name) {
+            if !seen.insert(name) {
                 return Err(Error::new(
                     ErrorKind::Name,
                     format!("joint `{name}` is named twice"),

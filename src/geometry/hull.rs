@@ -44,8 +44,8 @@ impl Hull {
     /// The convex hull of `points` \[m\].
     ///
     /// # Errors
-    /// No points, coordinates that are not finite or beyond [`FARTHEST`], or points that would take minutes (hundreds of
-    /// thousands of corners, placed for it).
+    /// No points, coordinates that are not finite or beyond [`FARTHEST`], or points that would take too long
+    /// (hundreds of thousands of corners, placed for it).
     pub fn new(points: &[Point3<f64>]) -> Result<Self> {
         Self::within(points, 0.0)
     }
@@ -53,70 +53,17 @@ impl Hull {
     /// As [`new`](Self::new), of points that are `tolerance` \[m\] off what is to be enclosed.
     pub(super) fn within(points: &[Point3<f64>], tolerance: f64) -> Result<Self> {
         let mut tolerance = tolerance;
-        let mut sorted = Vec::with_capacity(points.len());
+        let mut clean = Vec::with_capacity(points.len());
         for (i, point) in points.iter().enumerate() {
             if !point.iter().all(|x| x.abs() <= FARTHEST) {
                 return Err(out_of_range(point).at(format!("point {}", i + 1)));
             }
-            sorted.push(point.map(|x| {
-                if x.abs() >= LEAST {
-                    x
-                } else {
-                    if x != 0.0 {
-                        tolerance = tolerance.max(2.0 * LEAST);
-                    }
-                    // Not -0, which would be another corner.
-                    0.0
-                }
-            }));
+            clean.push(point.map(seen));
         }
-        sorted.sort_by(|p, q| {
-            let coordinates = p.iter().zip(q.iter()).map(|(a, b)| a.total_cmp(b));
-            coordinates.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
-        });
-        sorted.dedup();
-        if sorted.is_empty() {
-            return Err(
-                Error::new(ErrorKind::Shape, "a hull of no points").expected("at least one")
-            );
+        if clean != points {
+            tolerance += 2.0 * LEAST;
         }
-        if u32::try_from(sorted.len()).is_err() {
-            return Err(Error::new(ErrorKind::Infeasible, "more than 2^32 points"));
-        }
-        loop {
-            match flat::span(&sorted) {
-                Span::Flat(corners) => {
-                    let faces = flat::two_sided(corners.len() as u32);
-                    let vertices: Vec<_> = corners.iter().map(|i| sorted[*i as usize]).collect();
-                    return Self::assemble(vertices, faces, true, tolerance);
-                }
-                Span::Body(simplex) => {
-                    let hull = Quickhull::new(&sorted, simplex)?;
-                    let corners = hull.corners();
-                    let faces = hull.facets();
-                    let used = used(&faces, sorted.len());
-                    if used
-                        .iter()
-                        .zip(&corners)
-                        .all(|(used, corner)| used == corner)
-                    {
-                        let (vertices, faces) = compact(&sorted, &used, faces);
-                        return Self::assemble(vertices, faces, false, tolerance);
-                    }
-                    // What lies between corners goes, and the few that are left are done again, once: all are corners then.
-                    let mut keep = corners.iter();
-                    sorted.retain(|_| keep.next() == Some(&true));
-                }
-            }
-        }
-    }
-
-    fn assemble(
-        vertices: Vec<Point3<f64>>,
-        faces: Vec<[u32; 3]>,
-        flat: bool,
-        tolerance: f64,
-    ) -> Result<Self> {
+        let (vertices, faces, flat) = enclose(clean)?;
         if !(is_closed(vertices.len(), &faces) && is_convex(&vertices, &faces)) {
             return Err(quickhull::torn());
         }
@@ -176,6 +123,58 @@ impl Hull {
     pub fn radius(&self) -> f64 {
         Ball::about(Point3::origin(), &self.vertices).radius
     }
+}
+
+/// What exact signs can take; never -0, which would make another corner.
+fn seen(x: f64) -> f64 {
+    if x.abs() < LEAST { 0.0 } else { x }
+}
+
+/// Corners, faces, and whether they are flat.
+type Surface = (Vec<Point3<f64>>, Vec<[u32; 3]>, bool);
+
+/// Corners, faces and whether the hull is flat, of points with coordinates in range.
+fn enclose(mut points: Vec<Point3<f64>>) -> Result<Surface> {
+    points.sort_unstable_by(|p, q| {
+        let [x, y, z] = [0, 1, 2].map(|axis| p[axis].total_cmp(&q[axis]));
+        x.then(y).then(z)
+    });
+    points.dedup();
+    if points.is_empty() {
+        return Err(Error::new(ErrorKind::Shape, "a hull of no points").expected("at least one"));
+    }
+    if u32::try_from(points.len()).is_err() {
+        return Err(Error::new(ErrorKind::Infeasible, "more than 2^32 points"));
+    }
+    loop {
+        match flat::span(&points) {
+            Span::Flat(corners) => {
+                let faces = flat::two_sided(corners.len() as u32);
+                let vertices = corners.iter().map(|i| points[*i as usize]).collect();
+                return Ok((vertices, faces, true));
+            }
+            Span::Body(simplex) => {
+                let hull = Quickhull::new(&points, simplex)?;
+                let corners = hull.corners();
+                let faces = hull.facets();
+                let used = used(&faces, points.len());
+                if used == corners {
+                    let (vertices, faces) = compact(&points, &used, faces);
+                    return Ok((vertices, faces, false));
+                }
+                // What lies between corners goes, and the few that are left are done again: all are corners then.
+                let mut keep = corners.iter();
+                points.retain(|_| keep.next() == Some(&true));
+            }
+        }
+    }
+}
+
+/// The volume \[m^3\] of the hull of points with coordinates in range.
+pub(super) fn hull_volume(mut points: Vec<Point3<f64>>) -> Result<f64> {
+    points.iter_mut().for_each(|p| *p = p.map(seen));
+    let (vertices, faces, flat) = enclose(points)?;
+    Ok(if flat { 0.0 } else { volume(&vertices, &faces) })
 }
 
 /// A point with a coordinate that cannot be.

@@ -1,10 +1,17 @@
 //! [`Motion`]: what the robot side consumes, whether it comes from a Fourier series or from a recorded move.
 
+mod polynomial;
+mod read;
+mod spline;
 mod wave;
+mod waypoints;
 
+pub use read::{MoveOptions, PlayMotion};
+pub use spline::{Degree, Jump, Spline, SplineTube, StartPosture};
 pub use wave::WaveTube;
+pub use waypoints::{Waypoint, Waypoints};
 
-use crate::fourier::{Derivative, Interval, Joints, State};
+use crate::fourier::{Derivative, Extremes, Interval, Joints, State};
 
 /// Intervals that a [`Tube`] is asked about together: as many numbers as a vector of most processors holds.
 pub const LANES: usize = 4;
@@ -30,8 +37,13 @@ pub trait Motion: Sync {
     /// Position to jerk at time `t` \[s\]. Panics when `state` was made for another number of joints.
     fn state_into(&self, t: f64, state: &mut State);
 
-    /// An enclosure of a derivative of one joint over the whole motion.
-    fn range(&self, joint: usize, derivative: Derivative) -> Interval;
+    /// An enclosure of a derivative of one joint over the whole motion, and when its ends are reached.
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes;
+
+    /// [`extremes`](Self::extremes) without the times.
+    fn range(&self, joint: usize, derivative: Derivative) -> Interval {
+        self.extremes(joint, derivative).range
+    }
 
     /// What encloses the positions over intervals; made once for many of them.
     fn tube(&self) -> Self::Tube<'_>;

@@ -1,14 +1,30 @@
 //! [`Robot`]: joints, limits and bodies of a robot that is known to be consistent.
 
+mod bounds;
 mod build;
+mod contents;
+mod doubts;
 mod dynamics;
+mod inertia;
 mod kinematics;
+mod limits;
 mod lint;
+mod load;
+mod meshes;
+mod mimics;
+mod missing;
+mod reduce;
+mod srdf;
+mod tips;
 mod urdf;
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use dynamics::{Dynamics, GRAVITY};
+use kinematics::Step;
+pub use kinematics::{Frame, Kinematics, Twist};
+pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshEnclosure, MeshFiles};
+pub use srdf::{EndEffector, Group, Srdf};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Interval, Joints};
@@ -21,7 +37,7 @@ const LEAST_INERTIA: f64 = 1e-9;
 ///
 /// Links that fixed joints hold together are one body; body 0 is the base and does not move. A value of this type has
 /// passed every check of its loader: names are unique, the tree has one root, axes are unit vectors, limits are ordered,
-/// inertias are positive semidefinite. What its file lacks (inertials, primitive collision shapes) is missing, not
+/// inertias are positive semidefinite. What its file lacks (inertials, meshes that can be read) is missing, not
 /// guessed: [`require_dynamics`](Self::require_dynamics) and the collision model say so when they are asked.
 ///
 /// A configuration q has one entry a joint in the order of [`joints`](Self::joints), rad (m for prismatic joints).
@@ -32,7 +48,12 @@ pub struct Robot {
     /// For each joint, the body that it moves.
     commanded: Vec<usize>,
     bodies: Vec<Body>,
+    /// What the recursions of kinematics and dynamics need of each body.
+    steps: Vec<Step>,
     links: Vec<Link>,
+    /// Index of the link at the end of the chain that matters.
+    tip: usize,
+    enclosures: Vec<MeshEnclosure>,
     notes: Vec<String>,
 }
 
@@ -105,10 +126,13 @@ pub struct Body {
     pub inertial: Option<Inertial>,
     /// Shapes that collide.
     pub collision: Vec<Solid>,
-    /// Shapes to be drawn: the visual primitives of its links, and where a link has none, its collision shapes.
+    /// Shapes to be drawn: the visual primitives of its links and the visual meshes that collide too, and where a link has
+    /// none, its collision shapes.
     pub visual: Vec<Solid>,
     /// Links whose collision geometry was not read, and why.
     pub unread_collision: Vec<String>,
+    /// Links whose inertia violates the triangle inequality, and by what: it is kept as it stands, but no body has it.
+    pub doubtful_inertia: Vec<String>,
 }
 
 /// A named frame fixed to a body.
@@ -120,8 +144,10 @@ pub struct Link {
     pub body: usize,
     /// The link's frame in the body's.
     pub pose: Isometry3<f64>,
-    /// Index of the link that carries it, through a joint of whatever kind; `None` for the root.
+    /// Index of the link that holds it; `None` for the root. It comes before.
     pub parent: Option<usize>,
+    /// The joint that holds it, fixed or not; `None` for the root.
+    pub joint: Option<String>,
 }
 
 impl Robot {
@@ -166,27 +192,29 @@ impl Robot {
         &self.links
     }
 
+    /// # Errors
+    /// When no link has this name.
+    pub fn link(&self, name: &str) -> Result<&Link> {
+        self.links.iter().find(|l| l.name == name).ok_or_else(|| {
+            Error::new(ErrorKind::Name, format!("no link `{name}`"))
+                .expected(format!("one of the robot's {} links", self.links.len()))
+                .at(format!("robot `{}`", self.name))
+        })
+    }
+
     /// Whether a joint is commanded itself, and does not mimic another.
     pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
         self.joints.name(joint.index) == joint.name
     }
 
+    /// How closely hulls enclose their meshes, where [`LoadOptions::measure`] asked for it; in the order of the links.
+    pub fn enclosures(&self) -> &[MeshEnclosure] {
+        &self.enclosures
+    }
+
     /// What was left out, normalised or read as not given.
     pub fn notes(&self) -> &[String] {
         &self.notes
-    }
-
-    /// The link farthest along the chain with most joints: the hand, where nothing else is said.
-    pub fn tip(&self) -> &Link {
-        let mut depths = vec![0; self.bodies.len()];
-        for (i, body) in self.bodies.iter().enumerate().skip(1) {
-            depths[i] = depths[body.parent] + 1;
-        }
-        // Links come parents first, so the last of the deepest is the end of its chain.
-        self.links
-            .iter()
-            .max_by_key(|link| depths[link.body])
-            .unwrap_or(&self.links[0])
     }
 
     /// The configuration that stands for rest: 0 where the limits allow it, else the nearest position that they do.
@@ -213,9 +241,14 @@ impl Robot {
             if body.inertial.is_none() {
                 return refuse(format!("link `{}` moves and has no mass", body.name));
             }
+            if let Some(told) = body.doubtful_inertia.first() {
+                return Err(Error::new(ErrorKind::Infeasible, told.clone())
+                    .expected("moments of a body with mass")
+                    .help("recompute the inertia from the mesh or shape, or have it mended (--mend-inertia)")
+                    .at(format!("robot `{}`", self.name)));
+            }
         }
-        let mut dynamics = Dynamics::new(self);
-        let diagonal = dynamics.mass_diagonal(self, &self.rest());
+        let diagonal = dynamics::mass_diagonal(self, &self.rest());
         for (name, inertia) in self.joints.iter().zip(diagonal) {
             if inertia < LEAST_INERTIA {
                 return refuse(format!(

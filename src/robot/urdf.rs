@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{Robot, build, lint};
+use super::load::{LoadOptions, MeshFiles};
+use super::{Robot, bounds, build, lint, reduce};
 use crate::error::{Error, ErrorKind, Result};
 
 impl Robot {
@@ -24,29 +25,54 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// When the text is no URDF of one tree of revolute, continuous, prismatic and fixed joints with finite numbers;
-    /// the message names line and link or joint. See the errors' texts for each case.
+    /// As [`load`](Self::load).
     pub fn from_urdf(text: &str) -> Result<Self> {
+        Self::load(text, &LoadOptions::default())
+    }
+
+    /// Reads a URDF file and the meshes that it names, as far as they lie in its folder.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and when the file cannot be read.
+    pub fn open(path: &Path) -> Result<Self> {
+        Self::open_with(path, LoadOptions::default())
+    }
+
+    /// Reads a URDF file. Where `options` name folders for meshes, or nothing, its own folder is looked at first.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and when the file cannot be read.
+    pub fn open_with(path: &Path, mut options: LoadOptions) -> Result<Self> {
+        let text = bounds::read(path)?;
+        let own = path.parent().unwrap_or(Path::new("")).to_owned();
+        match &mut options.meshes {
+            MeshFiles::None => options.meshes = MeshFiles::Folders(vec![own]),
+            MeshFiles::Folders(folders) => folders.insert(0, own),
+            MeshFiles::Embedded(_) => {}
+        }
+        Self::load(&text, &options).map_err(|e| e.at(path.display().to_string()))
+    }
+
+    /// Reads a URDF text as `options` say.
+    ///
+    /// A mesh that is not found, not readable or of a format that is not read leaves its body with
+    /// [`unread_collision`](super::Body::unread_collision): kinematics do without. One that contradicts itself is an error.
+    ///
+    /// # Errors
+    /// When the text is no URDF of one tree of revolute, continuous, prismatic and fixed joints with finite numbers, asks
+    /// for more than a robot needs (16 MB, 300 000 elements), or when `options` name a link or folder that is not there;
+    /// the message names line and link or joint. See the errors' texts for each case.
+    pub fn load(text: &str, options: &LoadOptions) -> Result<Self> {
         let text = text.trim_start_matches('\u{feff}').trim_start();
         if text.is_empty() {
             return Err(Error::new(ErrorKind::Syntax, "the file is empty").expected("a URDF"));
         }
-        lint::lint(text)?;
-        let parsed = urdf_rs::read_from_string(text)
-            .map_err(|e| Error::new(ErrorKind::Syntax, e.to_string()).expected("a URDF"))?;
-        build::build(&parsed)
-    }
-
-    /// Reads a URDF file.
-    ///
-    /// # Errors
-    /// Those of [`from_urdf`](Self::from_urdf), and when the file cannot be read.
-    pub fn open(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
-        let text = String::from_utf8(bytes).map_err(|_| {
-            Error::new(ErrorKind::Syntax, "text that is not UTF-8").at(path.display().to_string())
-        })?;
-        Self::from_urdf(&text).map_err(|e| e.at(path.display().to_string()))
+        let (parsed, doubtful) = {
+            let document = lint::parse(text)?;
+            let doubtful = lint::lint(&document, options.inertia)?;
+            (reduce::parse(&document)?, doubtful)
+        };
+        build::build(&parsed, &doubtful, options)
     }
 }
 

@@ -5,6 +5,8 @@
 
 mod statistics;
 mod strategy;
+mod urdf;
 
 pub use statistics::{Alarm, gaussian};
 pub use strategy::{gaussians, primitives, waves};
+pub use urdf::trees;

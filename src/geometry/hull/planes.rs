@@ -4,45 +4,48 @@ use nalgebra::Vector3;
 
 use super::Hull;
 
-/// Normals nearer to each other are one.
-const SAME: f64 = 1e-9;
-
 /// The height of a triangle relative to its longest side below which its normal is noise.
 const SLIVER: f64 = 1e-9;
 
 impl Hull {
-    /// Half-spaces {x : n . x <= d}, n of length 1, d in metres, whose intersection is the hull but for rounding, which does
-    /// not cut corners; one for faces in a common plane. Slivers, whose normals are noise, have none: their neighbours
-    /// bound the hull. A flat hull has its two sides and its rim, without faces there are none.
+    /// Half-spaces {x : n . x <= d}, n of length 1, d in metres, whose intersection is the hull but for rounding, which is
+    /// outward; one for each face. Slivers, whose normals are noise, have none: their neighbours bound the hull. A flat hull
+    /// has its sides and its rim; without faces there are none.
     pub fn planes(&self) -> Vec<(Vector3<f64>, f64)> {
-        let mut normals: Vec<Vector3<f64>> = Vec::new();
+        let size = self
+            .vertices
+            .iter()
+            .map(|v| v.coords.amax())
+            .fold(0.0, f64::max);
+        let mut planes = Vec::new();
         for face in &self.faces {
             let [a, b, c] = face.map(|i| &self.vertices[i as usize]);
             let sides = [b - a, c - b, a - c];
             let longest = sides.iter().map(Vector3::norm).fold(0.0, f64::max);
-            let normal = sides[0].cross(&sides[1]);
-            if normal.norm() > SLIVER * longest * longest {
-                add(&mut normals, normal);
+            let across = sides[0].cross(&sides[1]);
+            let area = across.norm();
+            if area <= SLIVER * longest * longest {
+                continue;
             }
+            let normal = across / area;
+            // Sides are known to 2 EPSILON size, so the normal turns by 8 EPSILON size longest / area, at a lever of the
+            // diameter; what else is rounded is less.
+            let turn = 16.0 * f64::EPSILON * size * longest / area;
+            let slack = (turn + 4.0 * f64::EPSILON) * 2.0 * (size + self.ball.radius);
+            let corners = [a, b, c].map(|p| normal.dot(&p.coords));
+            planes.push((
+                normal,
+                corners.into_iter().fold(corners[0], f64::max) + slack,
+            ));
         }
-        if let Some(front) = normals.first().copied().filter(|_| self.flat) {
+        if let Some((front, _)) = planes.first().copied().filter(|_| self.flat) {
             let next = self.vertices.iter().cycle().skip(1);
             for (a, b) in self.vertices.iter().zip(next) {
-                add(&mut normals, (b - a).cross(&front));
+                if let Some(n) = (b - a).cross(&front).try_normalize(0.0) {
+                    planes.push((n, n.dot(&a.coords).max(n.dot(&b.coords))));
+                }
             }
         }
-        let support = |n: Vector3<f64>| {
-            let along = self.vertices.iter().map(|v| n.dot(&v.coords));
-            (n, along.fold(f64::NEG_INFINITY, f64::max))
-        };
-        normals.into_iter().map(support).collect()
-    }
-}
-
-fn add(normals: &mut Vec<Vector3<f64>>, normal: Vector3<f64>) {
-    if let Some(n) = normal.try_normalize(0.0)
-        && normals.iter().all(|m| (m - n).norm() > SAME)
-    {
-        normals.push(n);
+        planes
     }
 }

@@ -4,8 +4,11 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
+use super::super::inertia::{self, Fault};
+use super::super::load::Inconsistent;
+use super::Doubtful;
 use super::xml::{Names, Xml};
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Result, listed};
 
 /// Elements whose content is their attributes. The parser behind this would take a child element for an attribute of the
 /// same name, past all checks here.
@@ -13,6 +16,15 @@ const LEAVES: [&str; 14] = [
     "origin", "axis", "limit", "dynamics", "mimic", "mass", "inertia", "parent", "child", "box",
     "sphere", "cylinder", "capsule", "mesh",
 ];
+
+/// The numbers of <inertia>.
+const INERTIA: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+
+/// Shapes of one link; each is read at once with all others.
+const MOST_SHAPES: usize = 1024;
+
+/// Findings that are told with their line.
+const MOST_LINES: usize = 100;
 
 impl<'a> Xml<'a> {
     /// Below a link or joint, leaves have no children, and elements that are read once are there once. What others have
@@ -53,16 +65,65 @@ impl<'a> Xml<'a> {
             };
             self.number(part("mass")?, "value")?;
             let inertia = part("inertia")?;
-            for attribute in ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"] {
+            for attribute in INERTIA {
                 self.number(inertia, attribute)?;
             }
         }
         let is_solid = |n: &Node| n.has_tag_name("collision") || n.has_tag_name("visual");
+        let shapes = node.children().filter(is_solid).count();
+        if shapes > MOST_SHAPES {
+            return Err(self
+                .refuse(node, format!("{shapes} shapes"))
+                .expected(format!("at most {MOST_SHAPES} a link")));
+        }
         for solid in node.children().filter(is_solid) {
             self.origin(solid)?;
             self.geometry(solid)?;
         }
         Ok(())
+    }
+
+    /// The inertia of a link that has mass: refused where kinetic energy could be negative, told where no body has it.
+    pub(super) fn inertia(
+        &self,
+        node: Node<'a, 'a>,
+        inconsistent: Inconsistent,
+        doubtful: &mut Doubtful,
+    ) -> Result<()> {
+        let Some(inertial) = self.child(node, "inertial") else {
+            return Ok(());
+        };
+        let (Some(mass), Some(inertia)) = (
+            self.child(inertial, "mass"),
+            self.child(inertial, "inertia"),
+        ) else {
+            return Ok(());
+        };
+        if inconsistent == Inconsistent::Mend || self.number(mass, "value")? <= 0.0 {
+            return Ok(());
+        }
+        let mut six = [0.0; 6];
+        for (number, attribute) in six.iter_mut().zip(INERTIA) {
+            *number = self.number(inertia, attribute)?;
+        }
+        match inertia::fault(&inertia::tensor(six)) {
+            None => Ok(()),
+            Some(fault @ Fault::Indefinite(_)) => Err(self
+                .refuse(inertia, fault.told())
+                .expected("moments of a body with mass")
+                .help("recompute the inertia from the mesh or shape, or have it mended")),
+            Some(fault @ Fault::Triangle(_)) => {
+                // Lines are counted from the start of the text: told for the first ones only.
+                let line = match doubtful.len() {
+                    0..MOST_LINES => format!(", {}", self.line(inertia)),
+                    _ => String::new(),
+                };
+                let name = self.text(node, "name")?;
+                let told = format!("link `{}`{line}: {}", listed(&[name]), fault.told());
+                doubtful.insert(name.to_owned(), told);
+                Ok(())
+            }
+        }
     }
 
     fn geometry(&self, solid: Node<'a, 'a>) -> Result<()> {
@@ -88,7 +149,12 @@ impl<'a> Xml<'a> {
             "mesh" => {
                 self.text(shape, "filename")?;
                 if shape.has_attribute("scale") {
-                    self.numbers(shape, "scale", 3)?;
+                    let scale = self.numbers(shape, "scale", 3)?;
+                    if scale.contains(&0.0) {
+                        return Err(self
+                            .refuse(shape, "a mesh scaled by 0")
+                            .expected("three factors, negative to mirror"));
+                    }
                 }
                 Ok(())
             }
@@ -98,12 +164,7 @@ impl<'a> Xml<'a> {
         }
     }
 
-    pub(super) fn joint(
-        &self,
-        node: Node<'a, 'a>,
-        links: &Names,
-        joints: &Names<'a>,
-    ) -> Result<()> {
+    pub(super) fn joint(&self, node: Node<'a, 'a>, links: &Names) -> Result<()> {
         self.structure(node)?;
         let kind = self.text(node, "type")?;
         let moves = match kind {
@@ -119,7 +180,7 @@ impl<'a> Xml<'a> {
             }
             _ => {
                 return Err(self
-                    .refuse(node, format!("joint type `{kind}`"))
+                    .refuse(node, format!("joint type `{}`", listed(&[kind])))
                     .expected("revolute, continuous, prismatic or fixed"));
             }
         };
@@ -132,7 +193,7 @@ impl<'a> Xml<'a> {
             if !links.contains_key(link) {
                 return Err(Error::new(
                     ErrorKind::Name,
-                    format!("no link `{link}` to be its {end}"),
+                    format!("no link `{}` to be its {end}", listed(&[link])),
                 )
                 .help("add the link or correct the name")
                 .at(self.line(element)));
@@ -150,6 +211,7 @@ impl<'a> Xml<'a> {
             }
         }
         self.limit(node, kind)?;
+        self.soft_limits(node)?;
         if let Some(dynamics) = self.child(node, "dynamics") {
             for attribute in ["damping", "friction"] {
                 if self
@@ -162,7 +224,16 @@ impl<'a> Xml<'a> {
                 }
             }
         }
-        self.mimic(node, joints)
+        Ok(())
+    }
+
+    fn soft_limits(&self, node: Node<'a, 'a>) -> Result<()> {
+        if let Some(safety) = self.child(node, "safety_controller") {
+            for attribute in ["soft_lower_limit", "soft_upper_limit", "k_position"] {
+                self.optional_limit(safety, attribute)?;
+            }
+        }
+        Ok(())
     }
 
     fn limit(&self, node: Node<'a, 'a>, kind: &str) -> Result<()> {
@@ -185,7 +256,17 @@ impl<'a> Xml<'a> {
                 )
                 .help("exchange them"));
         }
-        if !limit.has_attribute("velocity") {
+        // In 1.2 what is not there is no limit: a joint without bounds is called continuous.
+        if self.version >= (1, 2) && kind != "continuous" {
+            for attribute in ["lower", "upper"] {
+                if !limit.has_attribute(attribute) {
+                    return Err(self
+                        .refuse(limit, format!("<limit> without `{attribute}`"))
+                        .expected("a bound; a joint without is continuous"));
+                }
+            }
+        }
+        if !limit.has_attribute("velocity") && self.version < (1, 2) {
             return Err(self
                 .refuse(limit, "<limit> without `velocity`")
                 .expected("a speed, or 0 for not given"));
@@ -199,34 +280,6 @@ impl<'a> Xml<'a> {
                     .refuse(limit, format!("negative {attribute} limit"))
                     .expected("a positive number, or 0 for not given"));
             }
-        }
-        Ok(())
-    }
-
-    fn mimic(&self, node: Node<'a, 'a>, joints: &Names<'a>) -> Result<()> {
-        let mut at = node;
-        let mut seen = HashSet::from([node.id()]);
-        while let Some(mimic) = self.child(at, "mimic") {
-            let leader = self.text(mimic, "joint")?;
-            if self.optional_number(mimic, "multiplier")? == Some(0.0) {
-                return Err(self
-                    .refuse(mimic, "a mimic with multiplier 0 never moves")
-                    .help("make the joint fixed"));
-            }
-            self.optional_number(mimic, "offset")?;
-            let Some(leader_node) = joints.get(leader).copied() else {
-                return Err(
-                    Error::new(ErrorKind::Name, format!("no joint `{leader}` to mimic"))
-                        .at(self.line(mimic)),
-                );
-            };
-            if !seen.insert(leader_node.id()) {
-                return Err(self.refuse(mimic, format!("mimic of `{leader}` comes back to itself")));
-            }
-            if leader_node.attribute("type") == Some("fixed") {
-                return Err(self.refuse(mimic, format!("mimic of the fixed joint `{leader}`")));
-            }
-            at = leader_node;
         }
         Ok(())
     }

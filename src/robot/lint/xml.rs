@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::{Document, Node};
 
-use super::DEEPEST;
-
+use super::LONGEST;
 use crate::error::{Error, ErrorKind, Result, listed};
 
 /// No length, angle, mass or inertia of a robot is larger; sums and products of such numbers stay finite.
@@ -15,14 +14,29 @@ const LARGEST: f64 = 1e9;
 pub(super) type Names<'a> = HashMap<&'a str, Node<'a, 'a>>;
 
 /// A parsed text, with the lines of its elements.
-pub(super) struct Xml<'a>(pub &'a Document<'a>);
+pub(in crate::robot) struct Xml<'a> {
+    document: &'a Document<'a>,
+    /// Of the format: 1.1 turns by quaternions too, 1.2 reads limits that are not there as none.
+    pub version: (u32, u32),
+}
 
 impl<'a> Xml<'a> {
-    pub(super) fn line(&self, node: Node) -> String {
-        format!("line {}", self.0.text_pos_at(node.range().start).row)
+    /// As the parser behind this does, a version that is not there or no version counts as 1.0.
+    pub(in crate::robot) fn of(document: &'a Document<'a>) -> Self {
+        let version = document
+            .root_element()
+            .attribute("version")
+            .and_then(|v| v.trim().split_once('.'))
+            .and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)))
+            .unwrap_or((1, 0));
+        Self { document, version }
     }
 
-    pub(super) fn refuse(&self, node: Node, what: impl Into<String>) -> Error {
+    pub(super) fn line(&self, node: Node) -> String {
+        format!("line {}", self.document.text_pos_at(node.range().start).row)
+    }
+
+    pub(in crate::robot) fn refuse(&self, node: Node, what: impl Into<String>) -> Error {
         Error::new(ErrorKind::Value, what).at(self.line(node))
     }
 
@@ -30,22 +44,8 @@ impl<'a> Xml<'a> {
         error.at(format!(
             "{} `{}`",
             node.tag_name().name(),
-            node.attribute("name").unwrap_or("")
+            listed(&[node.attribute("name").unwrap_or("")])
         ))
-    }
-
-    pub(super) fn check_depth(&self) -> Result<()> {
-        let mut depths: HashMap<roxmltree::NodeId, usize> = HashMap::new();
-        for node in self.0.descendants() {
-            let depth = node.parent().map_or(0, |p| depths[&p.id()] + 1);
-            if depth > DEEPEST {
-                return Err(self
-                    .refuse(node, format!("elements nest deeper than {DEEPEST}"))
-                    .expected("a robot description"));
-            }
-            depths.insert(node.id(), depth);
-        }
-        Ok(())
     }
 
     /// The children of the root called `tag`, by name.
@@ -54,26 +54,33 @@ impl<'a> Xml<'a> {
         for node in root.children().filter(|n| n.has_tag_name(tag)) {
             let name = self.text(node, "name")?;
             if names.insert(name, node).is_some() {
-                return Err(
-                    Error::new(ErrorKind::Name, format!("two {tag}s are called `{name}`"))
-                        .at(self.line(node)),
-                );
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("two {tag}s are called `{}`", listed(&[name])),
+                )
+                .at(self.line(node)));
             }
         }
         Ok(names)
     }
 
     /// An attribute that must be there, free of leftovers of a macro language.
-    pub(super) fn text(&self, node: Node<'a, 'a>, attribute: &str) -> Result<&'a str> {
+    pub(in crate::robot) fn text(&self, node: Node<'a, 'a>, attribute: &str) -> Result<&'a str> {
         let tag = node.tag_name().name();
         match node.attribute(attribute) {
             None => Err(self.refuse(node, format!("<{tag}> without `{attribute}`"))),
             Some(text) if text.contains("${") || text.contains("$(") => Err(Error::new(
                 ErrorKind::Unsupported,
-                format!("unexpanded xacro in {attribute}=\"{text}\""),
+                format!("unexpanded xacro in {attribute}=\"{}\"", listed(&[text])),
             )
             .help("expand the file first: xacro robot.xacro > robot.urdf")
             .at(self.line(node))),
+            Some(text) if text.len() > LONGEST => Err(self
+                .refuse(node, format!("{attribute} of {} bytes", text.len()))
+                .expected(format!("at most {LONGEST}"))),
+            Some(text) if text.contains(char::is_control) => Err(self
+                .refuse(node, format!("a control character in {attribute}"))
+                .expected("printable text")),
             Some("") => Err(self.refuse(node, format!("<{tag}> with an empty `{attribute}`"))),
             Some(text) => Ok(text),
         }
@@ -146,7 +153,7 @@ impl<'a> Xml<'a> {
         if numbers.iter().all(|x| *x > 0.0) {
             return Ok(());
         }
-        let text = node.attribute(attribute).unwrap_or("");
+        let text = listed(&[node.attribute(attribute).unwrap_or("")]);
         Err(self
             .refuse(node, format!("{attribute}=\"{text}\""))
             .expected("positive lengths"))
@@ -162,6 +169,11 @@ impl<'a> Xml<'a> {
                 if origin.has_attribute(attribute) {
                     self.numbers(origin, attribute, 3)?;
                 }
+            }
+            if self.version >= (1, 1) && origin.has_attribute("quat_xyzw") {
+                return Err(Error::new(ErrorKind::Unsupported, "a turn by `quat_xyzw`")
+                    .expected("`rpy`")
+                    .at(self.line(origin)));
             }
         }
         Ok(())

@@ -1,6 +1,13 @@
-//! Forward kinematics.
+//! Where bodies are and how they move: forward kinematics, velocities, the Jacobian.
+
+mod step;
+mod workspace;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
+pub use step::Frame;
+pub(super) use step::Step;
+pub use workspace::{Kinematics, Twist};
 
 use super::{BodyJoint, JointKind, Robot};
 
@@ -52,6 +59,17 @@ impl Robot {
                 None => Isometry3::identity(),
                 Some(joint) => poses[body.parent] * joint.pose(q),
             };
+        }
+    }
+
+    /// The same poses as rotation matrices, which is what distances and Jacobians want; `frames` has one entry a body.
+    /// Panics for another number of entries, and when `q` has not one entry a joint.
+    pub fn body_frames_into(&self, q: &[f64], frames: &mut [Frame]) {
+        assert_eq!(q.len(), self.joints.len(), "one position a joint");
+        assert_eq!(frames.len(), self.steps.len(), "one frame a body");
+        frames[0] = Frame::identity();
+        for (i, step) in self.steps.iter().enumerate().skip(1) {
+            frames[i] = frames[step.parent].carry(&step.frame(q));
         }
     }
 

@@ -1,0 +1,88 @@
+//! Kinematics and dynamics allocate nothing once their workspaces exist.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use undulate::nalgebra::Point3;
+use undulate::{Dynamics, Frame, GRAVITY, Kinematics, shipped};
+
+thread_local! {
+    /// Of this thread alone: the test harness has others.
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, and a count.
+struct Counting;
+
+// SAFETY: every call is handed to `System` unchanged, so its guarantees hold; counting touches a constant-initialised
+// `Cell` of this thread, which neither allocates nor has a destructor.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: the caller keeps the contract of `GlobalAlloc::alloc`, which is `System`'s.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: `pointer` came from `System` with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Allocations that `work` makes.
+fn count(work: impl FnOnce()) -> usize {
+    let before = ALLOCATIONS.with(Cell::get);
+    work();
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+#[test]
+fn nothing_is_allocated_after_the_workspaces() {
+    for name in shipped::robots() {
+        let robot = shipped::robot(name).unwrap();
+        let n = robot.joints().len();
+        let (q, v, tau) = (robot.rest(), vec![0.5; n], vec![1.0; n]);
+        let mut dynamics = Dynamics::new(&robot);
+        let mut kinematics = Kinematics::new(&robot);
+        let mut frames = vec![Frame::identity(); robot.bodies().len()];
+        let mut poses = robot.body_poses(&q);
+        let tip = robot.tip();
+        let point = Point3::new(0.0, 0.1, 0.2);
+        let frames = count(|| {
+            robot.body_frames_into(&q, &mut frames);
+            robot.body_poses_into(&q, &mut poses);
+            kinematics.frames(&robot, &q);
+        });
+        let velocities = count(|| {
+            kinematics.twists(&robot, &q, &v);
+            kinematics.link_twist(&robot, &q, &v, tip);
+        });
+        let jacobian = count(|| {
+            kinematics.jacobian(&robot, &q, tip.body, &point);
+            kinematics.link_jacobian(&robot, &q, tip);
+        });
+        let inverse = count(|| {
+            dynamics.inverse(&robot, &q, &v, &tau, &GRAVITY);
+            dynamics.gravity_forces(&robot, &q, &GRAVITY);
+        });
+        let mass = count(|| {
+            dynamics.mass_matrix(&robot, &q);
+        });
+        let forward = count(|| {
+            dynamics.forward(&robot, &q, &v, &tau, &GRAVITY).unwrap();
+        });
+        let energies = count(|| {
+            dynamics.kinetic_energy(&robot, &q, &v);
+            dynamics.potential_energy(&robot, &q, &GRAVITY);
+        });
+        let all = [
+            frames, velocities, jacobian, inverse, mass, forward, energies,
+        ];
+        assert_eq!(all, [0; 7], "{name}");
+        // The counter counts.
+        assert!(count(|| drop(Dynamics::new(&robot))) > 5);
+    }
+}
