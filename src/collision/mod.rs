@@ -115,7 +115,7 @@ impl CollisionModel {
                 .filter(|solid| solid.link == index)
                 .collect();
             if !solids.is_empty() {
-                let frame: Isometry3<f64> = frames.into_frame(link.body);
+                let frame: Isometry3<f64> = frames.frame_of(link.body);
                 parts.push(Part::new(link.name.clone(), link.body, &frame, &solids).map_err(here)?);
             }
         }
