@@ -160,7 +160,7 @@ pub use geometry::{
 #[cfg(feature = "robot")]
 pub use motion::{
     Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
-    WaveTube, Waypoint, Waypoints,
+    TubeRows, WaveTube, Waypoint, Waypoints,
 };
 pub use posterior::Diagnostics;
 pub use primitive::{

@@ -31,6 +31,8 @@ pub(super) struct Chain {
 pub(super) struct Step {
     /// Number of the joint among [`Frames::joints`].
     pub joint: usize,
+    /// Seen from the first part, the second turns with the joint (1), or against it (-1): on the way from the first part to the base.
+    pub sign: f64,
     /// Which row has its rho for the first part and for the second; `None` for the first where it is a half-space, which is endless.
     pub rows: (Option<usize>, usize),
 }
@@ -59,9 +61,11 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 .zip(down.iter().rev())
                 .take_while(|(x, y)| x == y)
                 .count();
-            let joints = up[..up.len() - shared]
+            let against = up[..up.len() - shared].iter().map(|joint| (joint, -1.0));
+            let along = down[..down.len() - shared]
                 .iter()
-                .chain(down[..down.len() - shared].iter().rev());
+                .rev()
+                .map(|joint| (joint, 1.0));
             let mut row = |part: usize, joint: usize| {
                 *numbers.entry(Row { part, joint }).or_insert_with(|| {
                     rows.push(Row { part, joint });
@@ -69,9 +73,11 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 })
             };
             let endless = matches!(parts[a].geometry, PartGeometry::HalfSpace(_));
-            let steps = joints
-                .map(|joint| Step {
+            let steps = against
+                .chain(along)
+                .map(|(joint, sign)| Step {
                     joint: *joint,
+                    sign,
                     rows: ((!endless).then(|| row(a, *joint)), row(b, *joint)),
                 })
                 .collect();

@@ -6,27 +6,26 @@ use super::CollisionModel;
 use super::displacement::Chain;
 use super::frames::{Poses, Stored, V3};
 use super::part::PartGeometry;
-use crate::motion::LANES;
+use crate::motion::{LANES, TubeRows};
 use crate::robot::JointKind;
 
 /// Four intervals of time: where everything is in their middles, and how far from there it can be.
 pub(super) struct Four {
-    /// Of each joint of the motion, its position and how far from it the motion comes.
-    pub position: Vec<[f64; LANES]>,
-    pub radius: Vec<[f64; LANES]>,
+    /// Of the motion.
+    pub rows: TubeRows,
     /// Of each body.
     pub placed: Vec<Stored>,
     /// Of each body's joint, how far it can be from where it is.
-    turn: Vec<[f64; LANES]>,
+    pub turn: Vec<[f64; LANES]>,
     /// What of that is tolerance.
-    tolerance: Vec<f64>,
+    pub tolerance: Vec<f64>,
     /// Of each part, the centre of its ball.
     centers: Vec<[[f64; LANES]; 3]>,
     /// Of each row, its rho by the ball, and of which round it is.
     rho: Vec<([f64; LANES], u64)>,
     round: u64,
     /// Of the pair at hand, of each joint between its parts, the rho of the first part and of the second.
-    rhos: Vec<[[f64; LANES]; 2]>,
+    pub rhos: Vec<[[f64; LANES]; 2]>,
 }
 
 /// Of a pair in four intervals.
@@ -44,8 +43,7 @@ impl Four {
     pub fn new(model: &CollisionModel) -> Self {
         let zero = [0.0; LANES];
         Self {
-            position: vec![zero; model.joints().len()],
-            radius: vec![zero; model.joints().len()],
+            rows: TubeRows::new(model.joints().len()),
             placed: vec![[zero; 12]; model.frames.bodies()],
             turn: vec![zero; model.frames.joints().len()],
             tolerance: vec![0.0; model.frames.joints().len()],
@@ -62,9 +60,9 @@ impl Four {
         self.round += 1;
         model
             .frames
-            .place_four(simd, &self.position, &mut self.placed);
+            .place_four(simd, &self.rows.position, &mut self.placed);
         for (i, joint) in model.frames.joints().iter().enumerate() {
-            let (radius, tolerance) = (&self.radius[joint.index], tolerance[joint.index]);
+            let (radius, tolerance) = (&self.rows.radius[joint.index], tolerance[joint.index]);
             let size = joint.multiplier.abs() * OUTWARD;
             self.tolerance[i] = size * tolerance;
             for (turn, radius) in self.turn[i].iter_mut().zip(radius) {
@@ -270,7 +268,7 @@ impl Four {
 const ENDLESS: [f64; LANES] = [1e30; LANES];
 
 /// Sums and products of a few dozen numbers are below this times themselves as computed.
-const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
+pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
 
 impl PairBounds {
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Collision of a robot with itself and with its surroundings: which pairs are kept apart, how far apart they are, and proofs that a
 //! motion keeps them so.
 
+mod bends;
 mod certificate;
 mod certify;
 mod configuration;

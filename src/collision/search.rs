@@ -167,12 +167,7 @@ impl<'m> Search<'m> {
             }
             let middle = nodes.map(|n| n.middle);
             let half = nodes.map(|n| n.half);
-            tube.over_four(
-                &middle,
-                &half,
-                &mut self.four.position,
-                &mut self.four.radius,
-            );
+            tube.over_four(&middle, &half, &mut self.four.rows);
             self.four.place(simd, model, tolerance);
             let mut lower = [f64::INFINITY; LANES];
             if let Some(leaves) = &mut found.leaves {
@@ -204,7 +199,7 @@ impl<'m> Search<'m> {
                         pair,
                         time: middle[lane],
                     };
-                    match self.narrow(simd, &bounds, lane, at, found) {
+                    match self.narrow(simd, &bounds, (lane, half[lane]), at, found) {
                         Narrowed::Proven => found.keep(lane, count, pair),
                         Narrowed::Open(least) => {
                             lower[lane] = lower[lane].min(least);
@@ -250,7 +245,7 @@ impl<'m> Search<'m> {
         &mut self,
         simd: S,
         bounds: &PairBounds,
-        lane: usize,
+        (lane, half): (usize, f64),
         at: At,
         found: &mut Found,
     ) -> Narrowed {
@@ -265,13 +260,16 @@ impl<'m> Search<'m> {
         let PartGeometry::Convexes { convexes, .. } = &b.geometry else {
             return Narrowed::Undecided;
         };
+        // Lower bounds over the interval, upper ones in its middle. A tree that is kept holds what falls by the sum over joints alone.
         let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+        let is_plain = found.leaves.is_some();
+        let bends = (!is_plain).then(|| self.four.bends(model, at.pair, lane, half));
         match &a.geometry {
             PartGeometry::HalfSpace(half_space) => {
                 for convex in convexes {
                     found.work.distances += 1;
                     let between = half_space.separation_with(simd, convex.at(&placed_b));
-                    lower = lower.min(between.lower);
+                    lower = lower.min(between.lower - fall);
                     upper = upper.min(between.upper);
                 }
             }
@@ -288,7 +286,7 @@ impl<'m> Search<'m> {
                     if others.len() * convexes.len() > 1 {
                         let gap = rough_separation(placed_a, placed_b, needed);
                         if gap > needed {
-                            lower = lower.min(gap);
+                            lower = lower.min(gap - fall);
                             continue;
                         }
                     }
@@ -302,12 +300,19 @@ impl<'m> Search<'m> {
                         below =
                             separation_with(simd, placed_a, placed_b, warm, above - FINEST).lower;
                     }
-                    lower = lower.min(below);
+                    let mut least = below - fall;
+                    if below <= needed
+                        && let Some(bends) = &bends
+                        && let Some(direction) = warm.direction(placed_a.placement)
+                    {
+                        least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
+                    }
+                    lower = lower.min(least);
                     upper = upper.min(above);
                 }
             }
         }
-        let least = lower - pair.padding - model.rounding - fall;
+        let least = lower - pair.padding - model.rounding;
         let least = least.max(bounds.lower[lane]);
         if least > bar {
             found.proven(At {

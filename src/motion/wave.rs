@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x4};
 
-use super::{LANES, Motion, Tube};
+use super::{LANES, Motion, Tube, TubeRows};
 use crate::elementary::sin_cos;
 use crate::fourier::{Derivative, Extremes, Joints, State, Wave};
 
@@ -99,8 +99,7 @@ impl<'a> WaveTube<'a> {
         simd: S,
         middle: &[f64; LANES],
         half: &[f64; LANES],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
+        rows: &mut TubeRows,
     ) {
         let period = self.wave.period();
         let mut late = [0.0; LANES];
@@ -114,10 +113,10 @@ impl<'a> WaveTube<'a> {
         let joints = self.bounds.len();
         let whole = joints - joints % TOGETHER;
         for joint in (0..whole).step_by(TOGETHER) {
-            self.block::<S, TOGETHER>(simd, joint, [h, late], position, radius);
+            self.block::<S, TOGETHER>(simd, joint, [h, late], rows);
         }
         for joint in whole..joints {
-            self.block::<S, 1>(simd, joint, [h, late], position, radius);
+            self.block::<S, 1>(simd, joint, [h, late], rows);
         }
     }
 
@@ -154,8 +153,7 @@ impl<'a> WaveTube<'a> {
         simd: S,
         first: usize,
         [h, late]: [f64x4<S>; 2],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
+        rows: &mut TubeRows,
     ) {
         let w = self.wave.angular_frequency();
         let harmonics = self.turns.len();
@@ -179,21 +177,28 @@ impl<'a> WaveTube<'a> {
         for j in 0..J {
             let bounds = &self.bounds[first + j];
             let [s0, s1, s2, s3] = bounds.sums;
-            let slope = slope[j].abs() * w + bounds.rounding[1];
+            let velocity = slope[j] * w;
+            let slope = velocity.abs() + bounds.rounding[1];
             let curvature = curvature[j].abs() * (w * w) + bounds.rounding[2];
-            let by_first = h * s1;
-            let by_second = h * (slope + h * (s2 / 2.0));
-            let by_third = h * (slope + h * (curvature * 0.5 + h * (s3 / 6.0)));
-            let moved = by_first
-                .min(by_second)
-                .min(by_third)
+            // How far it can be from its tangent, and from where it is.
+            let by_second = h * h * (s2 / 2.0);
+            let by_third = h * h * (curvature * 0.5 + h * (s3 / 6.0));
+            let bend = by_second.min(by_third);
+            let moved = (h * slope + bend)
+                .min(h * s1)
                 .min(f64x4::splat(simd, 2.0 * s0));
-            let widened = moved * (1.0 + 16.0 * f64::EPSILON) + late * s1 + bounds.rounding[0];
-            (value[j] + bounds.offset).store_slice(&mut position[first + j]);
-            widened.store_slice(&mut radius[first + j]);
+            let rounding = late * s1 + bounds.rounding[0];
+            let bend = bend * OUTWARD + h * bounds.rounding[1] + rounding;
+            (value[j] + bounds.offset).store_slice(&mut rows.position[first + j]);
+            (moved * OUTWARD + rounding).store_slice(&mut rows.radius[first + j]);
+            velocity.store_slice(&mut rows.velocity[first + j]);
+            bend.store_slice(&mut rows.bend[first + j]);
         }
     }
 }
+
+/// A few dozen roundings.
+const OUTWARD: f64 = 1.0 + 16.0 * f64::EPSILON;
 
 /// Joints whose sums are formed together: with three, none waits for another, and all fit into sixteen registers.
 const TOGETHER: usize = 3;
@@ -216,21 +221,15 @@ impl Tube for WaveTube<'_> {
 
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
         let joints = self.bounds.len();
-        let (mut q, mut r) = (vec![[0.0; LANES]; joints], vec![[0.0; LANES]; joints]);
-        self.over_four(&[middle; LANES], &[half; LANES], &mut q, &mut r);
+        let mut rows = TubeRows::new(joints);
+        self.over_four(&[middle; LANES], &[half; LANES], &mut rows);
         for joint in 0..joints {
-            (position[joint], radius[joint]) = (q[joint][0], r[joint][0]);
+            (position[joint], radius[joint]) = (rows.position[joint][0], rows.radius[joint][0]);
         }
     }
 
-    fn over_four(
-        &mut self,
-        middle: &[f64; LANES],
-        half: &[f64; LANES],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
-    ) {
-        dispatch!(Level::new(), simd => self.evaluate(simd, middle, half, position, radius));
+    fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+        dispatch!(Level::new(), simd => self.evaluate(simd, middle, half, rows));
     }
 }
 
@@ -267,10 +266,14 @@ mod tests {
             for n in 0..50 {
                 let (middle, half) = (-4.0 + 0.31 * f64::from(n), 0.5 / f64::from(1 << (n % 12)));
                 tube.over(middle, half, &mut q, &mut r);
+                let mut rows = TubeRows::new(3);
+                tube.over_four(&[middle; LANES], &[half; LANES], &mut rows);
                 for i in 0..=20 {
                     let t = middle + half * (f64::from(i) / 10.0 - 1.0);
                     let at = wave.position(t);
                     for joint in 0..3 {
+                        let ahead = rows.velocity[joint][0] * (t - middle);
+                        assert!((at[joint] - q[joint] - ahead).abs() <= rows.bend[joint][0]);
                         assert!(
                             (at[joint] - q[joint]).abs() <= r[joint],
                             "{seed} {middle} {half}"
@@ -290,9 +293,8 @@ mod tests {
         let middle = [0.1, 0.9, -2.0, 7.0];
         let half = [0.01, 0.1, 0.0, 2.0];
         let mut at = |level: Level| {
-            let mut numbers = [[[0.0; LANES]; 3]; 2];
-            let [q, r] = &mut numbers;
-            dispatch!(level, simd => tube.evaluate(simd, &middle, &half, q, r));
+            let mut numbers = TubeRows::new(3);
+            dispatch!(level, simd => tube.evaluate(simd, &middle, &half, &mut numbers));
             numbers
         };
         assert_eq!(at(Level::baseline()), at(Level::new()));

@@ -51,7 +51,7 @@ pub fn robots() -> Vec<(&'static str, Robot, CollisionOptions, u64)> {
                 always_touching: Some((200, 0)),
                 ..CollisionOptions::default()
             };
-            robots.push((name, robot, options, 10));
+            robots.push((name, robot, options, 60));
         }
     }
     robots
