@@ -1,7 +1,11 @@
 //! The one error of the crate: what went wrong, where, what was expected and what to do about it.
 
+mod reason;
+
 use std::fmt;
 use std::path::Path;
+
+pub use reason::Reason;
 
 /// What sort of thing went wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -54,6 +58,7 @@ struct Detail {
     places: Vec<String>,
     expected: Option<String>,
     help: Option<String>,
+    reason: Option<Reason>,
 }
 
 /// The crate's result.
@@ -68,6 +73,7 @@ impl Error {
             places: Vec::new(),
             expected: None,
             help: None,
+            reason: None,
         }))
     }
 
@@ -90,6 +96,18 @@ impl Error {
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.0.help.get_or_insert_with(|| help.into());
         self
+    }
+
+    /// Names the reason for which a gate refuses, unless somebody nearer to the cause has named one.
+    #[must_use]
+    pub fn because(mut self, reason: Reason) -> Self {
+        self.0.reason.get_or_insert(reason);
+        self
+    }
+
+    /// The reason for which a gate refuses, where one was named; [`Reason::of`] has one for every error.
+    pub fn reason(&self) -> Option<Reason> {
+        self.0.reason
     }
 
     /// Adds a place around the places already named: a column, then its line, then its file.

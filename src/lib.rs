@@ -33,7 +33,7 @@
 //! // Put draws on a robot until one keeps its limits and its distance.
 //! let robot = shipped::robot("wave_arm")?;
 //! let map = shipped::map("wave_arm_demonstrator")?;
-//! let collision = CollisionModel::new(&robot, &[])?;
+//! let collision = CollisionModel::new(&robot, &CollisionOptions::default())?;
 //! let mut draws = (0..).map(|k| map.apply(&large.sample(&mut stream(7, k)), &robot));
 //! let wave = loop {
 //!     let wave = draws.next().unwrap()?;
@@ -78,9 +78,9 @@
 //!
 //! # What a check assumes
 //!
-//! That the collision shapes of the URDF enclose the robot, that the arm is where it is commanded to be, and that nothing
-//! else is in reach. Self-collision is looked at on samples of a motion; between them, see
-//! [`CollisionModel::check_motion`]. This is no safety function in the sense of any standard.
+//! That the collision shapes of the URDF enclose the robot, that its joints are within the stated tolerance of the motion, and that
+//! the scene is all that is in reach. Under these, [`CollisionModel::certify`] proves that nothing touches at any time, between samples too, and
+//! a [`Certificate`] can be verified by other means. This is no safety function in the sense of any standard.
 //!
 //! # Features
 //!
@@ -123,6 +123,7 @@ mod robot;
 pub mod shipped;
 #[cfg(feature = "simulation")]
 mod simulation;
+mod table;
 #[cfg(feature = "testing")]
 pub mod testing;
 mod units;
@@ -131,21 +132,36 @@ mod vectors;
 pub use {nalgebra, num_complex, rand};
 
 #[cfg(feature = "robot")]
-pub use collision::{Clearance, CollisionModel, MotionClearance, Pair, PairStatus};
+pub use collision::{
+    Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
+    MinimumClearance, Moment, Pair, PairContacts, PairStatus, Prover, Scene, SceneObject,
+    SceneShape, Stretch, Verified, Work,
+};
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
     Duration, Leakage, LeftOut, Recording, Variation, synthetic,
 };
-pub use error::{Error, ErrorKind, Result};
+pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
-pub use feasibility::{LimitUse, Verdict, limits};
+pub use feasibility::{
+    JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
+    without_velocity_limit,
+};
 pub use fourier::{
-    Autoregression, CycleRing, Derivative, FourierBasis, Interval, Joints, PeriodGrid, State, Wave,
+    Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
+    State, Wave,
 };
 #[cfg(feature = "robot")]
-pub use geometry::{Decomposition, Enclosure, Hull, Mesh, Shape, Solid};
+pub use geometry::{
+    Ball, BoundingCapsule, Convex, Decomposition, Enclosure, HalfSpace, Hull, Mesh, Placed,
+    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, rough_separation,
+    separation, signed_distance,
+};
 #[cfg(feature = "robot")]
-pub use motion::{Motion, Tube, WaveTube};
+pub use motion::{
+    Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
+    WaveTube, Waypoint, Waypoints,
+};
 pub use posterior::Diagnostics;
 pub use primitive::{
     Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,
@@ -190,6 +206,9 @@ const _: () = {
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();
+        shared::<Spline>();
+        shared::<PlayMotion>();
+        shared::<JointLimits>();
     }
     #[cfg(feature = "simulation")]
     shared::<Rollout>();

@@ -2,23 +2,20 @@
 
 use rand::distr::Distribution;
 use undulate::{
-    CollisionModel, FourierMovementPrimitive, LearnOptions, Observation, TrackOptions, Verdict,
-    Wave, shipped, stream, synthetic, track,
+    CollisionModel, CollisionOptions, FourierMovementPrimitive, LearnOptions, Observation,
+    TrackOptions, Verdict, Wave, shipped, stream, synthetic, track,
 };
-
-/// No link moves farther between two samples of a collision check \[m\].
-const STEP: f64 = 0.005;
 
 /// The first draw of a seed that passes, and how many were drawn.
 fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
     let robot = shipped::robot("wave_arm").unwrap();
-    let collision = CollisionModel::new(&robot, &[]).unwrap();
+    let collision = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
     let map = shipped::map("wave_arm_demonstrator").unwrap();
     for draw in 0..1000 {
         let wave = map
             .apply(&primitive.sample(&mut stream(seed, draw)), &robot)
             .unwrap();
-        let verdict = Verdict::of(&robot, &collision, &wave, STEP).unwrap();
+        let verdict = Verdict::of(&robot, &collision, &wave, 0.0).unwrap();
         if verdict.passes() {
             return (wave, draw + 1);
         }
@@ -29,7 +26,7 @@ fn redrawn(primitive: &FourierMovementPrimitive, seed: u64) -> (Wave, u64) {
 #[test]
 fn twenty_seeds_a_condition_are_tracked_without_touching() {
     let robot = shipped::robot("wave_arm").unwrap();
-    let collision = CollisionModel::new(&robot, &[]).unwrap();
+    let collision = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
     let primitive =
         FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), 25, &LearnOptions::paper())
             .unwrap();
@@ -58,7 +55,7 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
             // What was achieved keeps limits and distance too.
             for q in rollout.position.row_iter() {
                 let q: Vec<f64> = q.iter().copied().collect();
-                assert!(collision.collision(&robot, &q).is_none(), "seed {seed}");
+                assert!(collision.collision(&q).is_none(), "seed {seed}");
                 for (j, position) in q.iter().enumerate() {
                     let limit = robot.properties(j).position.unwrap();
                     assert!(limit.contains(*position), "seed {seed}, joint {j}");

@@ -128,6 +128,62 @@ proptest! {
     }
 }
 
+/// Rims, corners and caps lie in the bounds, and reach them.
+#[test]
+fn bounds_of_primitives_hold_them_and_fit() {
+    let (radius, length) = (0.3, 0.8);
+    let half_extents = Vector3::new(0.2, 0.7, 0.4);
+    let round = |z: f64, r: f64| {
+        let turn = (0..64).map(|i| f64::from(i) * std::f64::consts::TAU / 64.0);
+        turn.map(move |a| Point3::new(r * a.cos(), r * a.sin(), z))
+            .collect::<Vec<_>>()
+    };
+    let corners = directions()
+        .iter()
+        .map(|d| d.map(f64::signum).component_mul(&half_extents).into())
+        .collect();
+    let caps = [
+        round(0.4, radius),
+        round(-0.4, radius),
+        vec![Point3::new(0.0, 0.0, 0.7)],
+    ]
+    .concat();
+    let shapes: [(Shape, Vec<Point3<f64>>); 4] = [
+        (Shape::Box { half_extents }, corners),
+        (Shape::Sphere { radius }, round(0.0, radius)),
+        (
+            Shape::Cylinder { radius, length },
+            [round(0.4, radius), round(-0.4, radius)].concat(),
+        ),
+        (Shape::Capsule { radius, length }, caps),
+    ];
+    for (shape, points) in shapes {
+        let (centre, sphere) = shape.bounding_sphere();
+        let far = points
+            .iter()
+            .map(|p| (p - centre).norm())
+            .fold(0.0, f64::max);
+        assert!(
+            far <= sphere * (1.0 + 1e-15) && sphere < far * (1.0 + 1e-12),
+            "{shape:?}"
+        );
+        assert_eq!(shape.radius(), sphere);
+        let (a, b, capsule) = shape.bounding_capsule();
+        let off = |p: &Point3<f64>| {
+            let along = b - a;
+            let t = if a == b {
+                0.0
+            } else {
+                ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+            };
+            (p - (a + t * along)).norm()
+        };
+        let far = points.iter().map(off).fold(0.0, f64::max);
+        // The points are rounded too.
+        assert!((far - capsule).abs() < 1e-15, "{shape:?} {far} {capsule}");
+    }
+}
+
 #[test]
 fn a_cube_of_many_points_is_a_cube() {
     let axis = || (0..=6).map(f64::from);

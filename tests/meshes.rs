@@ -318,7 +318,7 @@ fn an_l_is_two_boxes() {
     // From the middle of the face that closes the notch.
     let (low, high) = whole.largest_gap;
     assert!(
-        low <= 0.5 && 0.5 <= high && high <= 0.526 && low > 0.47,
+        (0.47..=0.5).contains(&low) && (0.5..=0.526).contains(&high),
         "{low} {high}"
     );
 

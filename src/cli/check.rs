@@ -9,20 +9,20 @@ use super::robot::RobotArguments;
 use super::robot::tell_notes;
 use super::simulate::units;
 use super::{Outcome, output, read_wave};
-use crate::collision::{CollisionModel, PairStatus};
+use crate::collision::{Certification, CollisionModel, MinimumClearance, PairStatus};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{LimitUse, Verdict, limits};
 use crate::fourier::Derivative;
 use crate::robot::JointKind;
 
-/// The largest distance \[m\] that a link moves between two samples, unless the user says otherwise.
-pub(super) const STEP: f64 = 0.002;
-
 /// Check a wave on a robot: position and velocity limits, self-collision.
+/// Of the smallest clearance \[m\].
+const ACCURACY: f64 = 1e-4;
+
 #[derive(Args)]
 #[command(
-    after_help = "Limits are checked against rigorous bounds of the wave over its period; self-collision at samples so close that no\n\
-    link moves more than --step between them. Exit code 3 when the wave does not pass.\n\n\
+    after_help = "Limits are checked against rigorous bounds of the wave over its period; self-collision by a proof that\n\
+    holds between samples too. Exit code 3 when the wave does not pass.\n\n\
     Example:\n  \
     undulate check wave.json --robot wave_arm\n  \
     undulate check wave.json --robot my.urdf --map my.toml --leave-out base:forearm"
@@ -32,14 +32,14 @@ pub(super) struct Arguments {
     wave: PathBuf,
     #[command(flatten)]
     robot: RobotArguments,
-    /// The largest distance [m] that a link may move between two samples.
+    /// Links must stay farther apart than this [m].
     #[arg(
         long,
         value_name = "METRES",
         allow_negative_numbers = true,
-        default_value_t = 0.002
+        default_value_t = 0.0
     )]
-    step: f64,
+    margin: f64,
     /// Two links that are not to be kept apart; may be given several times.
     #[arg(long, value_name = "LINK:LINK")]
     leave_out: Vec<String>,
@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let wave = read_wave(&arguments.wave)?;
     let (robot, map) = arguments.robot.load(wave.joints())?;
     let wave = map.apply(&wave, &robot)?;
-    let mut left_out = arguments
+    let left_out = arguments
         .leave_out
         .iter()
         .map(|pair| {
@@ -61,16 +61,16 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 })
         })
         .collect::<Result<Vec<_>>>()?;
-    left_out.extend(arguments.robot.reading.disabled(&robot)?);
+    let mut options = arguments.robot.reading.collision(&robot)?;
+    options.left_out = left_out;
     let notes = tell_notes(&robot);
     let limits = limits(&robot, &wave)?;
-    let looked_at = CollisionModel::new(&robot, &left_out).and_then(|collision| {
-        Ok((
-            Verdict::of(&robot, &collision, &wave, arguments.step)?,
-            collision,
-        ))
+    let looked_at = CollisionModel::new(&robot, &options).and_then(|collision| {
+        let verdict = Verdict::of(&robot, &collision, &wave, arguments.margin)?;
+        let clearance = collision.minimum_clearance(&wave, ACCURACY)?;
+        Ok((verdict, clearance, collision))
     });
-    let (verdict, collision) = looked_at.inspect_err(|error| {
+    let (verdict, clearance, collision) = looked_at.inspect_err(|error| {
         // Limits can be told even where contact cannot; the answer is no all the same.
         let value = json!({
             "passes": false,
@@ -96,20 +96,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "notes": notes,
         "limits": verdict.limits.iter().map(limit_json).collect::<Vec<_>>(),
         "collision": verdict.collision.as_ref().map(|c| json!({
-            "free": c.is_free(),
-            "clearance_m": c.clearance.distance,
-            "pair": [c.clearance.pair.0, c.clearance.pair.1],
-            "time_s": c.time,
-            "samples": c.samples,
-            "step_m": c.step,
+            "proven_clear": c.is_clear(),
+            "clearance_m": [clearance.lower, clearance.at.distance],
+            "pair": [clearance.at.pair.0, clearance.at.pair.1],
+            "time_s": clearance.at.time,
+            "intervals": c.work().intervals,
         })),
         "pairs": collision.pairs().iter().map(|p| json!({
             "links": [p.names.0, p.names.1],
             "checked": p.is_checked(),
-            "status": status(p.status),
+            "status": p.status.to_string(),
         })).collect::<Vec<_>>(),
     });
-    output::report(json, &value, || words(&verdict, &collision));
+    output::report(json, &value, || words(&verdict, &clearance, &collision));
     Ok(if verdict.passes() {
         Outcome::Done
     } else {
@@ -117,25 +116,34 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     })
 }
 
-fn words(verdict: &Verdict, collision: &CollisionModel) -> String {
+fn words(verdict: &Verdict, clearance: &MinimumClearance, collision: &CollisionModel) -> String {
     let mut text = limit_table(&verdict.limits);
     let checked = collision.pairs().iter().filter(|p| p.is_checked()).count();
     let left_out = collision.pairs().len() - checked;
+    let pair = format!("{} and {}", clearance.at.pair.0, clearance.at.pair.1);
     text.push_str(&match &verdict.collision {
         None => "\nself-collision: not looked at, a limit is broken".to_owned(),
-        Some(c) if c.is_free() => format!(
-            "\nself-collision: none in {} samples of {checked} pairs ({left_out} left out), no link moves more than {:.1} mm between them\n\
-             smallest clearance {:.1} mm, {} and {} at {:.3} s",
-            c.samples,
-            1e3 * c.step,
-            1e3 * c.clearance.distance,
-            c.clearance.pair.0,
-            c.clearance.pair.1,
-            c.time
+        Some(Certification::Clear { work, .. }) => format!(
+            "\nself-collision: proven that none of {checked} pairs touches ({left_out} left out), on {} intervals of time\n\
+             smallest clearance {:.1} mm, {pair} at {:.3} s",
+            work.intervals,
+            1e3 * clearance.at.distance,
+            clearance.at.time
         ),
-        Some(c) => format!(
-            "\nself-collision: {} and {} touch at {:.3} s",
-            c.clearance.pair.0, c.clearance.pair.1, c.time
+        Some(Certification::Collides { witness, .. }) => format!(
+            "\nself-collision: {} and {} are {:.1} mm apart at {:.3} s\nworst {:.1} mm, {pair} at {:.3} s",
+            witness.pair.0,
+            witness.pair.1,
+            1e3 * witness.distance,
+            witness.time,
+            1e3 * clearance.at.distance,
+            clearance.at.time
+        ),
+        Some(Certification::Undecided { stretches, .. }) => format!(
+            "\nself-collision: undecided on {} stretches, the first {:.3} .. {:.3} s",
+            stretches.len(),
+            stretches[0].from,
+            stretches[0].to
         ),
     });
     text.push_str(if verdict.passes() {
@@ -144,15 +152,6 @@ fn words(verdict: &Verdict, collision: &CollisionModel) -> String {
         "\ndoes not pass"
     });
     text
-}
-
-fn status(status: PairStatus) -> &'static str {
-    match status {
-        PairStatus::Checked => "checked",
-        PairStatus::TouchingAtRest => "checked, touching at rest",
-        PairStatus::Adjacent => "adjacent",
-        PairStatus::LeftOut => "left out",
-    }
 }
 
 pub(super) fn limit_json(limit: &LimitUse) -> Value {

@@ -54,7 +54,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let srdf = arguments.reading.srdf(&robot)?;
     let facts = Facts::of(&robot);
-    let value = facts.json(&robot, srdf.as_ref());
+    let value = match json {
+        true => facts.json(&robot, srdf.as_ref()),
+        false => Value::Null,
+    };
     output::report(json, &value, || facts.words(&robot, srdf.as_ref()));
     Ok(Outcome::Done)
 }

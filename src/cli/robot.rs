@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{output, read_text};
+use crate::collision::{CollisionOptions, Scene};
 use crate::error::{Error, ErrorKind, Result, listed};
 use crate::fourier::Joints;
 use crate::geometry::Decomposition;
@@ -21,6 +22,9 @@ pub(super) struct Reading {
     /// An SRDF file: pairs of links that need not be kept apart, groups.
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
+    /// A scene (TOML): what stands around the robot.
+    #[arg(long, value_name = "TOML")]
+    scene: Option<PathBuf>,
     /// Put the nearest consistent inertia in the place of those that no body has.
     #[arg(long)]
     mend_inertia: bool,
@@ -93,15 +97,15 @@ impl Reading {
         Ok(Some(srdf))
     }
 
-    /// The pairs of the robot's links that the SRDF disables.
-    pub fn disabled(&self, robot: &Robot) -> Result<Vec<(String, String)>> {
-        let known = |name: &String| robot.links().iter().any(|l| l.name == *name);
+    /// What is kept apart: the SRDF's word on it, and the scene.
+    pub fn collision(&self, robot: &Robot) -> Result<CollisionOptions> {
         let srdf = self.srdf(robot)?;
-        let pairs = srdf.iter().flat_map(|s| s.disabled());
-        Ok(pairs
-            .filter(|(a, b, _)| known(a) && known(b))
-            .map(|(a, b, _)| (a.clone(), b.clone()))
-            .collect())
+        let scene = self.scene.as_deref().map(Scene::open).transpose()?;
+        Ok(CollisionOptions {
+            disabled: srdf.map(|s| s.disabled().to_vec()).unwrap_or_default(),
+            scene: scene.unwrap_or_default(),
+            ..CollisionOptions::default()
+        })
     }
 }
 

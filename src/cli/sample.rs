@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::check::STEP;
 use super::robot::{Reading, RobotArguments, tell_notes};
 use super::source::Source;
 use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
-use crate::collision::CollisionModel;
+use crate::collision::{Certification, CollisionModel};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
 use crate::fourier::{Derivative, Joints, PeriodGrid, Wave};
@@ -224,7 +223,7 @@ impl Gate {
     fn new(arguments: &RobotArguments, learned: &Joints) -> Result<Self> {
         let (robot, map) = arguments.load(learned)?;
         tell_notes(&robot);
-        let collision = CollisionModel::new(&robot, &arguments.reading.disabled(&robot)?)?;
+        let collision = CollisionModel::new(&robot, &arguments.reading.collision(&robot)?)?;
         Ok(Self {
             robot,
             map,
@@ -235,7 +234,7 @@ impl Gate {
     /// Why the wave does not pass, if it does not.
     fn refusal(&self, wave: &Wave) -> Result<Option<String>> {
         let wave = self.map.apply(wave, &self.robot)?;
-        let verdict = Verdict::of(&self.robot, &self.collision, &wave, STEP)?;
+        let verdict = Verdict::of(&self.robot, &self.collision, &wave, 0.0)?;
         if verdict.passes() {
             return Ok(None);
         }
@@ -252,10 +251,10 @@ impl Gate {
                 };
                 format!("the {quantity} limit of `{}` is exceeded", limit.joint)
             }
-            (None, Some(collision)) => {
-                let pair = &collision.clearance.pair;
-                format!("`{}` and `{}` touch", pair.0, pair.1)
+            (None, Some(Certification::Collides { witness, .. })) => {
+                format!("`{}` and `{}` touch", witness.pair.0, witness.pair.1)
             }
+            (None, Some(_)) => "nobody can say whether it touches".to_owned(),
             (None, None) => "it does not pass the check".to_owned(),
         }))
     }

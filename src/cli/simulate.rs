@@ -65,14 +65,16 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     };
     let rollout = track(&robot, &wave, &options)?;
     // What was achieved is looked at apart from what was commanded.
-    let left_out = arguments.robot.reading.disabled(&robot)?;
-    let contact = match CollisionModel::new(&robot, &left_out) {
-        Ok(collision) => rollout.position.row_iter().enumerate().find_map(|(n, q)| {
-            let q: Vec<f64> = q.iter().copied().collect();
-            collision
-                .collision(&robot, &q)
-                .map(|pair| (rollout.times[n], pair.names.clone()))
-        }),
+    let options = arguments.robot.reading.collision(&robot)?;
+    let contact = match CollisionModel::new(&robot, &options) {
+        Ok(collision) => {
+            let mut checker = collision.checker();
+            rollout.position.row_iter().enumerate().find_map(|(n, q)| {
+                let q: Vec<f64> = q.iter().copied().collect();
+                let pair = checker.collision(&q);
+                pair.map(|pair| (rollout.times[n], pair.names.clone()))
+            })
+        }
         Err(error) => {
             output::warn(format!("self-collision is not looked at: {error}"));
             None

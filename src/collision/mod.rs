@@ -1,390 +1,233 @@
-//! Self-collision of a robot, by parry in f64.
+//! Collision of a robot with itself and with its surroundings: which pairs are kept apart, how far apart they are, and proofs that a
+//! motion keeps them so.
 
-mod motion;
+mod certificate;
+mod certify;
+mod configuration;
+mod contacts;
+mod displacement;
+mod filter;
+mod frames;
+mod pairs;
+mod part;
+mod scene;
+mod search;
+mod verify;
 
-use nalgebra::{Isometry3, Point3};
-use parry3d::math::{Pose, Rotation, Vector};
-use parry3d::query;
-use parry3d::shape::SharedShape;
+pub use certificate::{Certificate, Evidence};
+pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
+pub use configuration::{Checker, Clearance};
+pub use contacts::PairContacts;
+pub use pairs::{Pair, PairStatus};
+pub use scene::{Scene, SceneObject, SceneShape};
+pub use search::Work;
+pub use verify::Verified;
 
-pub use motion::MotionClearance;
+use nalgebra::Isometry3;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::geometry::{Hull, Shape, Solid};
+use crate::fourier::Joints;
+use crate::geometry::Solid;
 use crate::robot::Robot;
+use displacement::{Chain, Row};
+use frames::Frames;
+use part::{Part, PartGeometry};
 
-/// Why a pair of bodies is checked or not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PairStatus {
-    /// It is checked.
-    Checked,
-    /// It is checked, although it touches in the rest configuration already: no motion will pass. The shapes are too
-    /// large, or the pair should be left out.
-    TouchingAtRest,
-    /// Not checked: a joint connects the two bodies, and their shapes overlap by design.
-    Adjacent,
-    /// Not checked: the caller said so.
-    LeftOut,
+/// Composing the frames of joints rounds: by less than this many machine epsilons of the lengths involved for each of them.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// No robot has more, and memory grows with them.
+const MOST_PAIRS: usize = 200_000;
+
+/// What pairs are checked and how closely, where the default is not what is wanted.
+#[derive(Debug, Clone, Default)]
+pub struct CollisionOptions {
+    /// Pairs of links that are not to be kept apart.
+    pub left_out: Vec<(String, String)>,
+    /// Pairs of links that are, whatever is said of them elsewhere: neighbours, or pairs that an SRDF disables.
+    pub kept: Vec<(String, String)>,
+    /// Pairs that an SRDF disables, each with the reason that it gives.
+    pub disabled: Vec<(String, String, Option<String>)>,
+    /// What stands around the robot.
+    pub scene: Scene,
+    /// Leaves out the pairs that touch in every one of so many random configurations, drawn from a seed.
+    pub always_touching: Option<(usize, u64)>,
+    /// Every pair must stay farther apart than this \[m\]; distances are given less this.
+    pub padding: f64,
+    /// Of single pairs, instead \[m\].
+    pub pair_padding: Vec<((String, String), f64)>,
 }
 
-/// Two bodies that might touch.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pair {
-    /// Indices into [`Robot::bodies`].
-    pub bodies: (usize, usize),
-    /// Names of the bodies' links.
-    pub names: (String, String),
-    /// Whether it is checked, and why.
-    pub status: PairStatus,
-}
-
-impl Pair {
-    /// Whether it is checked.
-    pub fn is_checked(&self) -> bool {
-        matches!(
-            self.status,
-            PairStatus::Checked | PairStatus::TouchingAtRest
-        )
-    }
-}
-
-/// The smallest distance between bodies that are checked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Clearance {
-    /// \[m\]; 0 when they touch or overlap.
-    pub distance: f64,
-    /// Names of the two bodies.
-    pub pair: (String, String),
-}
-
-/// The collision shapes of a robot and the pairs of bodies to be kept apart.
+/// The collision geometry of a robot and its surroundings, and the pairs that are to be kept apart.
+#[derive(Debug, Clone)]
 pub struct CollisionModel {
-    /// By body.
-    shapes: Vec<Vec<Part>>,
+    robot: String,
+    joints: Joints,
+    frames: Frames,
+    /// Of the scene, then of the robot's links, parents first.
+    parts: Vec<Part>,
+    /// How many of them are the scene's.
+    scene: usize,
     pairs: Vec<Pair>,
-}
-
-/// One shape in the frame of its body.
-struct Part {
-    shape: SharedShape,
-    pose: Pose,
-    /// Around the origin of `pose` \[m\].
-    radius: f64,
+    /// The pairs that are checked.
+    checked: Vec<usize>,
+    /// Of every pair.
+    chains: Vec<Chain>,
+    rows: Vec<Row>,
+    /// Of every pair, the number of its first pair of convex shapes; at the end, their number.
+    first_convex_pair: Vec<usize>,
+    /// What rounding of frames does to a distance at most \[m\].
+    rounding: f64,
 }
 
 impl CollisionModel {
-    /// The shapes of `robot`, every pair of bodies checked but for neighbours and the pairs of links in `left_out`.
+    /// The shapes of `robot`, every pair of links checked but for those that one joint connects and those that `options` leaves out.
     ///
     /// # Errors
-    /// When a link has collision geometry that cannot be read (meshes), when a name in `left_out` is no link,
-    /// or when there is no shape at all: what is not known is not called free.
-    pub fn new(robot: &Robot, left_out: &[(String, String)]) -> Result<Self> {
+    /// When a link has collision geometry that could not be read, a name in the options is no link, a padding is negative, or there is
+    /// nothing to check: what is not known is not called free.
+    pub fn new(robot: &Robot, options: &CollisionOptions) -> Result<Self> {
         let here = |e: Error| e.at(format!("robot `{}`", robot.name()));
-        let unread: Vec<&str> = robot
-            .bodies()
+        robot.require_collision()?;
+        let frames = Frames::new(robot);
+        let mut parts = options
+            .scene
+            .objects()
             .iter()
-            .flat_map(|b| b.unread_collision.iter().map(String::as_str))
-            .collect();
-        if let Some(first) = unread.first() {
-            return Err(here(
-                Error::new(
-                    ErrorKind::Unsupported,
+            .map(Part::of_object)
+            .collect::<Result<Vec<_>>>()?;
+        for object in &parts {
+            if robot.links().iter().any(|link| link.name == object.name) {
+                return Err(here(Error::new(
+                    ErrorKind::Name,
                     format!(
-                        "{} collision meshes are not read, first {first}",
-                        unread.len()
+                        "an object of the scene is called `{}`, as a link is",
+                        object.name
                     ),
-                )
-                .expected("boxes, spheres, cylinders and capsules as collision shapes")
-                .help("replace the meshes by primitives; limits and simulation work without"),
-            ));
+                )));
+            }
         }
-        let shapes: Vec<Vec<Part>> = robot
-            .bodies()
-            .iter()
-            .map(|body| body.collision.iter().map(Part::new).collect())
-            .collect();
-        if shapes.iter().filter(|s| !s.is_empty()).count() < 2 {
+        let scene = parts.len();
+        for (index, link) in robot.links().iter().enumerate() {
+            let solids: Vec<&Solid> = robot.bodies()[link.body]
+                .collision
+                .iter()
+                .filter(|solid| solid.link == index)
+                .collect();
+            if !solids.is_empty() {
+                let frame: Isometry3<f64> = frames.frame_of(link.body);
+                parts.push(Part::new(link.name.clone(), link.body, &frame, &solids).map_err(here)?);
+            }
+        }
+        if parts.len() == scene || parts.len() < 2 {
             return Err(here(
                 Error::new(
                     ErrorKind::Infeasible,
-                    "fewer than two bodies have collision shapes",
+                    "too few links have collision shapes for any to touch",
                 )
                 .help("add <collision> elements to the URDF"),
             ));
         }
-        let body_of = |name: &String| {
-            robot
-                .links()
-                .iter()
-                .find(|l| l.name == *name)
-                .map(|l| l.body)
-                .ok_or_else(|| {
-                    here(Error::new(
-                        ErrorKind::Name,
-                        format!("no link `{name}` to leave out"),
-                    ))
-                })
-        };
-        let left_out = left_out
-            .iter()
-            .map(|(a, b)| Ok((body_of(a)?, body_of(b)?)))
-            .collect::<Result<Vec<_>>>()?;
-
-        let mut pairs = Vec::new();
-        for b in 0..shapes.len() {
-            for a in 0..b {
-                if shapes[a].is_empty() || shapes[b].is_empty() {
-                    continue;
-                }
-                let status = if left_out.contains(&(a, b)) || left_out.contains(&(b, a)) {
-                    PairStatus::LeftOut
-                } else if robot.bodies()[b].parent == a {
-                    PairStatus::Adjacent
-                } else {
-                    PairStatus::Checked
-                };
-                pairs.push(Pair {
-                    bodies: (a, b),
-                    names: (
-                        robot.bodies()[a].name.clone(),
-                        robot.bodies()[b].name.clone(),
-                    ),
-                    status,
-                });
-            }
+        let count = parts.len() * (parts.len() - 1) / 2 - scene * scene.saturating_sub(1) / 2;
+        if count > MOST_PAIRS {
+            return Err(here(
+                Error::new(ErrorKind::Unsupported, format!("{count} pairs of links"))
+                    .expected(format!("at most {MOST_PAIRS}"))
+                    .help("join links by fixed joints, or take collision shapes off those that cannot touch"),
+            ));
         }
-        let mut model = Self { shapes, pairs };
-        let rest = robot.body_poses(&robot.rest());
-        for i in 0..model.pairs.len() {
-            let pair = &model.pairs[i];
-            if pair.is_checked() && model.distance(pair, &rest, f64::INFINITY) <= 0.0 {
-                model.pairs[i].status = PairStatus::TouchingAtRest;
+        let pairs = pairs::pairs(robot, &parts, scene, options).map_err(here)?;
+        let (chains, rows) = displacement::chains(&frames, &parts, &pairs);
+        let mut first_convex_pair = vec![0];
+        for pair in &pairs {
+            let count = |part: usize| match &parts[part].geometry {
+                PartGeometry::Convexes { convexes, .. } => convexes.len(),
+                PartGeometry::HalfSpace(_) => 1,
+            };
+            let last = first_convex_pair[first_convex_pair.len() - 1];
+            first_convex_pair.push(last + count(pair.parts.0) * count(pair.parts.1));
+        }
+        let size = frames.reach() + parts.iter().map(Part::reach).fold(0.0, f64::max);
+        let rounding = ROUNDING * (frames.bodies() as f64) * size;
+        let mut model = Self {
+            robot: robot.name().to_owned(),
+            joints: robot.joints().clone(),
+            frames,
+            parts,
+            scene,
+            pairs,
+            checked: Vec::new(),
+            chains,
+            rows,
+            first_convex_pair,
+            rounding,
+        };
+        model.checked = model.those_checked();
+        if let Some((samples, seed)) = options.always_touching {
+            let contacts = model.contacts(robot, samples, seed)?;
+            for (pair, touching) in contacts.iter().enumerate() {
+                if *touching == samples && model.pairs[pair].is_checked() {
+                    model.pairs[pair].status = PairStatus::AlwaysTouching { samples, seed };
+                }
+            }
+            model.checked = model.those_checked();
+        }
+        let touching = model.checker().touching(&robot.rest());
+        for pair in touching {
+            match &mut model.pairs[pair].status {
+                status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
+                PairStatus::Rigid { touching } => *touching = true,
+                _ => {}
             }
         }
         Ok(model)
     }
 
-    /// Every pair of bodies with shapes, and whether and why it is checked.
+    fn those_checked(&self) -> Vec<usize> {
+        let pairs = self.pairs.iter().enumerate();
+        pairs
+            .filter(|(_, p)| p.is_checked())
+            .map(|(i, _)| i)
+            .collect()
+    }
+
+    /// The joints of the robot, in the order of every configuration.
+    pub fn joints(&self) -> &Joints {
+        &self.joints
+    }
+
+    /// Every pair of links with shapes, and whether and why it is checked.
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs
     }
 
-    /// The first pair that touches or overlaps at configuration `q`, if any. Panics when `q` has not one entry a joint.
-    pub fn collision(&self, robot: &Robot, q: &[f64]) -> Option<&Pair> {
-        let poses = robot.body_poses(q);
-        self.checked().find(|pair| {
-            let (a, b) = pair.bodies;
-            self.shapes[a].iter().any(|left| {
-                let placed = pose(&poses[a]) * left.pose;
-                self.shapes[b].iter().any(|right| {
-                    let other = pose(&poses[b]) * right.pose;
-                    !left.is_farther(&placed, right, &other, 0.0)
-                        && query::intersection_test(&placed, &*left.shape, &other, &*right.shape)
-                            // A pair that parry cannot decide is not free.
-                            .map_or(true, |i| i.intersecting)
-                })
-            })
-        })
+    fn convex_pairs(&self) -> usize {
+        self.first_convex_pair[self.pairs.len()]
     }
 
-    /// The smallest distance between checked bodies at configuration `q`; `None` when no pair is checked.
-    /// Panics when `q` has not one entry a joint.
-    pub fn clearance(&self, robot: &Robot, q: &[f64]) -> Option<Clearance> {
-        self.nearest(&robot.body_poses(q), f64::INFINITY)
-            .map(|(distance, pair)| Clearance {
-                distance,
-                pair: pair.names.clone(),
-            })
+    fn names(&self, pair: usize) -> (String, String) {
+        self.pairs[pair].names.clone()
     }
 
-    fn checked(&self) -> impl Iterator<Item = &Pair> {
-        self.pairs.iter().filter(|p| p.is_checked())
-    }
-
-    /// The smallest distance below `bound`, and the pair that has it.
-    fn nearest(&self, poses: &[Isometry3<f64>], bound: f64) -> Option<(f64, &Pair)> {
-        let mut best = None;
-        let mut bound = bound;
-        for pair in self.checked() {
-            let distance = self.distance(pair, poses, bound);
-            if distance < bound {
-                bound = distance;
-                best = Some((distance, pair));
-            }
-        }
-        best
-    }
-
-    /// The distance of two bodies \[m\], or anything from `bound` on when it is not less than `bound`.
-    fn distance(&self, pair: &Pair, poses: &[Isometry3<f64>], bound: f64) -> f64 {
-        let (a, b) = pair.bodies;
-        let (pose_a, pose_b) = (pose(&poses[a]), pose(&poses[b]));
-        let mut least = bound;
-        for left in &self.shapes[a] {
-            let placed = pose_a * left.pose;
-            for right in &self.shapes[b] {
-                let other = pose_b * right.pose;
-                if left.is_farther(&placed, right, &other, least) {
-                    continue;
-                }
-                // parry says 0 when its search gives up: on the safe side, as is here what it does not support, and what
-                // is not a number.
-                let distance = query::distance(&placed, &*left.shape, &other, &*right.shape)
-                    .map_or(0.0, |d| {
-                        if d.distance.is_finite() {
-                            d.distance
-                        } else {
-                            0.0
-                        }
-                    });
-                least = least.min(distance);
-            }
-        }
-        least
-    }
-}
-
-impl Part {
-    fn new(solid: &Solid) -> Self {
-        let upright = Isometry3::rotation(nalgebra::Vector3::x() * std::f64::consts::FRAC_PI_2);
-        let (shape, turn) = match &solid.shape {
-            Shape::Box { half_extents: h } => {
-                (SharedShape::cuboid(h.x, h.y, h.z), Isometry3::identity())
-            }
-            Shape::Sphere { radius } => (SharedShape::ball(*radius), Isometry3::identity()),
-            // parry's cylinders stand along y.
-            Shape::Cylinder { radius, length } => {
-                (SharedShape::cylinder(length / 2.0, *radius), upright)
-            }
-            Shape::Capsule { radius, length } => (
-                SharedShape::capsule_z(length / 2.0, *radius),
-                Isometry3::identity(),
-            ),
-            Shape::Hull(hull) => (polyhedron(hull), Isometry3::identity()),
-        };
-        Self {
-            shape,
-            pose: pose(&(solid.pose * turn)),
-            radius: solid.shape.radius(),
-        }
-    }
-
-    /// Whether the bounding spheres alone are farther apart than `distance`.
-    fn is_farther(&self, placed: &Pose, other: &Self, other_placed: &Pose, distance: f64) -> bool {
-        let gap = (placed.translation - other_placed.translation).length();
-        gap - self.radius - other.radius > distance
-    }
-}
-
-/// A hull; a capsule around it where parry makes no polyhedron of it (flat ones).
-fn polyhedron(hull: &Hull) -> SharedShape {
-    let point = |p: &Point3<f64>| Vector::new(p.x, p.y, p.z);
-    let vertices = hull.vertices().iter().map(point).collect();
-    let solid = (!hull.is_flat())
-        .then(|| SharedShape::convex_mesh(vertices, hull.faces()))
-        .flatten();
-    solid.unwrap_or_else(|| {
-        let (a, b, radius) = hull.bounding_capsule();
-        SharedShape::capsule(point(&a), point(&b), radius)
-    })
-}
-
-/// parry speaks glam.
-fn pose(isometry: &Isometry3<f64>) -> Pose {
-    let (t, r) = (&isometry.translation.vector, &isometry.rotation.coords);
-    Pose::from_parts(
-        Vector::new(t.x, t.y, t.z),
-        Rotation::from_xyzw(r.x, r.y, r.z, r.w),
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two spheres of 0.1 m, 1 m from a common post, turning about it by q0 and q1, and a bead on the post.
-    fn carousel() -> Robot {
-        let arm = |name: &str| {
-            format!(
-                r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
-            )
-        };
-        Robot::from_urdf(&format!(
-            r#"<robot name="carousel"><link name="post"><collision><geometry><cylinder radius="0.2" length="1"/></geometry></collision></link>{}{}</robot>"#,
-            arm("one"), arm("two")
-        ))
-        .unwrap()
-    }
-
-    #[test]
-    fn distance_on_the_carousel_is_the_chord_less_two_radii() {
-        let robot = carousel();
-        let model = CollisionModel::new(&robot, &[]).unwrap();
-        for angle in [0.3, 1.0, 2.0, 3.1_f64] {
-            let expected = 2.0 * (angle / 2.0).sin() - 0.2;
-            let clearance = model.clearance(&robot, &[0.4, 0.4 + angle]).unwrap();
-            assert!(
-                (clearance.distance - expected).abs() < 1e-12,
-                "{clearance:?}"
+    /// # Errors
+    /// When `joints` are not those of the robot, or no pair is checked.
+    fn require(&self, joints: &Joints) -> Result<()> {
+        if *joints != self.joints {
+            return Err(
+                Error::new(ErrorKind::Name, format!("a motion of {}", joints.listed()))
+                    .expected(self.joints.listed())
+                    .help("map the motion to the robot's joints with a joint map")
+                    .at(format!("robot `{}`", self.robot)),
             );
-            assert_eq!(clearance.pair, ("one".into(), "two".into()));
-            assert!(model.collision(&robot, &[0.4, 0.4 + angle]).is_none());
         }
-        assert_eq!(model.clearance(&robot, &[0.0, 0.15]).unwrap().distance, 0.0);
-        assert!(model.collision(&robot, &[0.0, 0.15]).is_some());
-    }
-
-    #[test]
-    fn pairs_say_why_they_are_checked() {
-        let robot = carousel();
-        let status = |left_out: &[(String, String)]| -> Vec<PairStatus> {
-            CollisionModel::new(&robot, left_out)
-                .unwrap()
-                .pairs()
-                .iter()
-                .map(|p| p.status)
-                .collect()
-        };
-        use PairStatus::{Adjacent, LeftOut, TouchingAtRest};
-        assert_eq!(status(&[]), [Adjacent, Adjacent, TouchingAtRest]);
-        assert_eq!(
-            status(&[("two".into(), "one".into())]),
-            [Adjacent, Adjacent, LeftOut]
-        );
-        let error = CollisionModel::new(&robot, &[("two".into(), "ghost".into())])
-            .err()
-            .unwrap();
-        assert!(error.to_string().contains("no link `ghost`"));
-    }
-
-    #[test]
-    fn cylinders_stand_along_z() {
-        let robot = Robot::from_urdf(
-            r#"<robot name="r"><link name="a"><collision><geometry><cylinder radius="0.1" length="2"/></geometry></collision></link>
-            <link name="m"/><link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-            <joint name="i" type="continuous"><parent link="a"/><child link="m"/></joint>
-            <joint name="j" type="prismatic"><parent link="m"/><child link="b"/><axis xyz="0 0 1"/><limit lower="1" upper="5" velocity="1"/></joint></robot>"#,
-        )
-        .unwrap();
-        let model = CollisionModel::new(&robot, &[]).unwrap();
-        let clearance = model.clearance(&robot, &[0.0, 1.5]).unwrap();
-        assert!((clearance.distance - 0.4).abs() < 1e-9, "{clearance:?}");
-    }
-
-    #[test]
-    fn meshes_are_not_called_free() {
-        let robot = Robot::from_urdf(
-            r#"<robot name="r"><link name="a"/><link name="b"><collision><geometry><mesh filename="package://x/b.stl"/></geometry></collision></link>
-            <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"#,
-        )
-        .unwrap();
-        let error = CollisionModel::new(&robot, &[]).err().unwrap();
-        assert!(
-            error
-                .to_string()
-                .contains("link `b`: mesh package://x/b.stl"),
-            "{error}"
-        );
+        if self.checked.is_empty() {
+            return Err(Error::new(
+                ErrorKind::Infeasible,
+                "no pair of links is checked: those with collision shapes are neighbours or left out",
+            )
+            .help("add collision shapes to the URDF, or leave out fewer pairs")
+            .at(format!("robot `{}`", self.robot)));
+        }
+        Ok(())
     }
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::DMatrix;
 
 use super::Recording;
-use crate::error::{Error, ErrorKind, Result, listed};
+use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Joints;
+use crate::table::Table;
 
 /// The column of time stamps.
 const TIME: &str = "time_s";
@@ -107,66 +108,38 @@ impl Recording {
 }
 
 fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text);
-    let header = reader.headers().map_err(syntax)?.clone();
-    if header.is_empty() {
-        return Err(Error::new(ErrorKind::Shape, "the file is empty")
-            .expected(format!("a header `{TIME},joint,..` and one row a sample")));
-    }
-    let columns: Vec<&str> = header.iter().collect();
-    if let [only] = columns.as_slice()
-        && let Some(separator) = [';', '\t'].into_iter().find(|s| only.contains(*s))
-    {
-        return Err(Error::new(
-            ErrorKind::Syntax,
-            format!("columns are separated by {separator:?}"),
-        )
-        .expected("commas between columns and points in numbers")
-        .at("line 1"));
-    }
-    let find = |wanted: &str| {
-        let mut found = columns.iter().enumerate().filter(|(_, c)| **c == wanted);
-        match (found.next(), found.next()) {
-            (Some((i, _)), None) => Ok(i),
-            (None, _) => Err(Error::new(
-                ErrorKind::Name,
-                format!("no column `{wanted}` among {}", listed(&columns)),
-            )
-            .at("line 1")),
-            (Some(_), Some(_)) => {
-                Err(Error::new(ErrorKind::Name, format!("two columns `{wanted}`")).at("line 1"))
-            }
-        }
-    };
-    let time =
-        find(TIME).map_err(|e| e.help("the column of times in seconds is called `time_s`"))?;
+    let table = Table::new(
+        text,
+        &format!("a header `{TIME},joint,..` and one row a sample"),
+    )?;
+    let time = table
+        .column(TIME)
+        .map_err(|e| e.help("the column of times in seconds is called `time_s`"))?;
     let names: Vec<String> = match &options.joints {
         Some(names) => names.clone(),
-        None => columns
-            .iter()
+        None => table
+            .columns()
+            .into_iter()
             .enumerate()
             .filter(|(i, _)| *i != time)
-            .map(|(_, c)| (*c).to_owned())
+            .map(|(_, c)| c.to_owned())
             .collect(),
     };
-    let picked = names.iter().map(|n| find(n)).collect::<Result<Vec<_>>>()?;
+    let picked = names
+        .iter()
+        .map(|n| table.column(n))
+        .collect::<Result<Vec<_>>>()?;
     let joints = Joints::new(names).map_err(|e| e.at("line 1"))?;
 
-    let unit = if options.degrees {
-        1f64.to_radians()
+    let (unit, expected) = if options.degrees {
+        (1f64.to_radians(), "an angle in degrees")
     } else {
-        1.0
+        (1.0, "an angle in radians")
     };
     let mut times: Vec<f64> = Vec::new();
     let mut rows: Vec<f64> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(syntax)?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let t = number(&record, time, TIME, "a time in seconds").map_err(|e| at_line(e, line))?;
+    table.rows(|row| {
+        let t = row.number(time, "a time in seconds")?;
         if let Some(before) = times.last()
             && t <= *before
         {
@@ -175,20 +148,14 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
                 format!("time {t} s does not come after {before} s"),
             )
             .expected("strictly increasing times")
-            .help("sort the rows by time and remove repeated ones")
-            .at(format!("line {line}")));
+            .help("sort the rows by time and remove repeated ones"));
         }
         times.push(t);
-        let expected = if options.degrees {
-            "an angle in degrees"
-        } else {
-            "an angle in radians"
-        };
-        for (&column, joint) in picked.iter().zip(&joints) {
-            let value = number(&record, column, joint, expected).map_err(|e| at_line(e, line))?;
-            rows.push(value * unit);
+        for &column in &picked {
+            rows.push(row.number(column, expected)? * unit);
         }
-    }
+        Ok(())
+    })?;
     if times.len() < 2 {
         return Err(
             Error::new(ErrorKind::Shape, format!("{} samples", times.len()))
@@ -197,40 +164,6 @@ fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
     }
     let positions = DMatrix::from_row_slice(times.len(), joints.len(), &rows);
     Recording::new(name, joints, times, positions)
-}
-
-fn number(record: &csv::StringRecord, column: usize, name: &str, expected: &str) -> Result<f64> {
-    let text = record.get(column).unwrap_or("");
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(Error::new(ErrorKind::Value, format!("found `{text}`"))
-            .expected(expected)
-            .at(format!("column `{name}`"))),
-    }
-}
-
-fn at_line(error: Error, line: u64) -> Error {
-    error.at(format!("line {line}"))
-}
-
-fn syntax(error: csv::Error) -> Error {
-    let line = error.position().map(csv::Position::line);
-    let what = match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => {
-            return Error::new(ErrorKind::Shape, format!("{len} fields"))
-                .expected(format!("{expected_len}, as in the header"))
-                .at(line.map_or("a row".into(), |l| format!("line {l}")));
-        }
-        csv::ErrorKind::Utf8 { .. } => "text that is not UTF-8".to_owned(),
-        _ => error.to_string(),
-    };
-    let error = Error::new(ErrorKind::Syntax, what).expected("comma-separated numbers");
-    match line {
-        Some(line) => at_line(error, line),
-        None => error,
-    }
 }
 
 #[cfg(test)]

@@ -39,25 +39,47 @@ impl Interval {
     }
 
     fn around(centre: f64, radius: f64) -> Self {
+        Self::point(centre).widened(radius)
+    }
+
+    /// `x` alone.
+    pub(crate) fn point(x: f64) -> Self {
+        Self { lower: x, upper: x }
+    }
+
+    /// With `margin` more at either end.
+    pub(crate) fn widened(self, margin: f64) -> Self {
         Self {
-            lower: centre - radius,
-            upper: centre + radius,
+            lower: self.lower - margin,
+            upper: self.upper + margin,
         }
     }
 
-    fn hull(self, other: Self) -> Self {
+    /// The smallest interval that holds both.
+    pub(crate) fn hull(self, other: Self) -> Self {
         Self {
             lower: self.lower.min(other.lower),
             upper: self.upper.max(other.upper),
         }
     }
 
-    fn intersect(self, other: Self) -> Self {
+    pub(crate) fn intersect(self, other: Self) -> Self {
         Self {
             lower: self.lower.max(other.lower),
             upper: self.upper.min(other.upper),
         }
     }
+}
+
+/// The range of a quantity over a motion, and when its ends are reached.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extremes {
+    /// An enclosure of the quantity.
+    pub range: Interval,
+    /// When the lower end is reached, or as nearly as the range is tight \[s\].
+    pub lower_time: f64,
+    /// When the upper end is.
+    pub upper_time: f64,
 }
 
 impl Wave {
@@ -78,7 +100,8 @@ impl Wave {
         sum * (1.0 + self.slack())
     }
 
-    fn slack(&self) -> f64 {
+    /// What evaluation may lose, as a share of the harmonic sums.
+    pub(crate) fn slack(&self) -> f64 {
         ROUNDING * (self.harmonics() + 1) as f64
     }
 
@@ -102,6 +125,11 @@ impl Wave {
     /// `1e-6` of the harmonic sum (and rounding) wider than the truth at either end
     /// (branch and bound on [`enclosure`](Self::enclosure)).
     pub fn range(&self, joint: usize, derivative: Derivative) -> Interval {
+        self.extremes(joint, derivative).range
+    }
+
+    /// [`range`](Self::range), with the times of the extremes.
+    pub fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
         let bounded = self.bounded(joint, derivative);
         // The second term covers what evaluation rounds, lest a tiny wave about a large offset be split for ever.
         let tolerance = 1e-6 * bounded.sums[0]
@@ -115,11 +143,19 @@ impl Wave {
             .collect();
         // Values that are reached, and what is proven of the pieces that are done with.
         let first = bounded.value(0.0);
-        let mut reached = Interval::around(first, 0.0);
+        let mut reached = Interval::point(first);
+        let (mut lower_time, mut upper_time) = (0.0, 0.0);
         let mut proven = reached;
         while let Some((middle, half)) = open.pop() {
             let (value, enclosure) = bounded.value_and_enclosure(middle, half);
-            reached = reached.hull(Interval::around(value, 0.0));
+            if value < reached.lower {
+                reached.lower = value;
+                lower_time = middle;
+            }
+            if value > reached.upper {
+                reached.upper = value;
+                upper_time = middle;
+            }
             let tight = enclosure.lower >= reached.lower - tolerance
                 && enclosure.upper <= reached.upper + tolerance;
             // An enclosure holds at any width; below this one time itself is rounding.
@@ -131,7 +167,11 @@ impl Wave {
                 open.push((middle + half, half));
             }
         }
-        proven
+        Extremes {
+            range: proven,
+            lower_time,
+            upper_time,
+        }
     }
 
     fn bounded(&self, joint: usize, derivative: Derivative) -> Bounded<'_> {

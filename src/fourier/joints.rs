@@ -1,6 +1,6 @@
 //! Names of joints: the one way in which learned joints and robot joints find each other.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::error::{Error, ErrorKind, Result, listed};
@@ -17,7 +17,7 @@ impl Joints {
         if names.is_empty() {
             return Err(Error::new(ErrorKind::Shape, "no joints").expected("at least one"));
         }
-        let mut seen = HashSet::new();
+        let mut seen = BTreeSet::new();
         for (i, name) in names.iter().enumerate() {
             if name.trim().is_empty() {
                 return Err(Error::new(

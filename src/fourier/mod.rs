@@ -21,7 +21,7 @@ mod wave;
 pub use autoregression::Autoregression;
 pub use basis::FourierBasis;
 pub(crate) use basis::WORST_CONDITION;
-pub use bounds::Interval;
+pub use bounds::{Extremes, Interval};
 pub use grid::PeriodGrid;
 pub use joints::Joints;
 pub use ring::CycleRing;

@@ -44,8 +44,8 @@ impl Hull {
     /// The convex hull of `points` \[m\].
     ///
     /// # Errors
-    /// No points, coordinates that are not finite or beyond [`FARTHEST`], or points that would take minutes (hundreds of
-    /// thousands of corners, placed for it).
+    /// No points, coordinates that are not finite or beyond [`FARTHEST`], or points that would take too long
+    /// (hundreds of thousands of corners, placed for it).
     pub fn new(points: &[Point3<f64>]) -> Result<Self> {
         Self::within(points, 0.0)
     }
@@ -130,8 +130,11 @@ fn seen(x: f64) -> f64 {
     if x.abs() < LEAST { 0.0 } else { x }
 }
 
+/// Corners, faces, and whether they are flat.
+type Surface = (Vec<Point3<f64>>, Vec<[u32; 3]>, bool);
+
 /// Corners, faces and whether the hull is flat, of points with coordinates in range.
-fn enclose(mut points: Vec<Point3<f64>>) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>, bool)> {
+fn enclose(mut points: Vec<Point3<f64>>) -> Result<Surface> {
     points.sort_unstable_by(|p, q| {
         let [x, y, z] = [0, 1, 2].map(|axis| p[axis].total_cmp(&q[axis]));
         x.then(y).then(z)

@@ -124,7 +124,7 @@ impl Mesh {
     /// The convex hull of all triangles. Which way round these are, and whether they close, does not matter to it.
     ///
     /// # Errors
-    /// As [`Hull::new`], when it would take minutes.
+    /// As [`Hull::new`], when it would take too long.
     pub fn hull(&self) -> Result<Hull> {
         Hull::new(&self.vertices)
     }

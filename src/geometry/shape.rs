@@ -91,6 +91,8 @@ pub struct Solid {
     pub shape: Shape,
     /// Where it is.
     pub pose: Isometry3<f64>,
+    /// Index of its link in the robot's list.
+    pub link: usize,
     /// Its colour, red, green and blue from 0 to 1, where the file gives one.
     pub color: Option<[f32; 3]>,
 }

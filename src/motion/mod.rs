@@ -1,10 +1,20 @@
 //! [`Motion`]: what the robot side consumes, whether it comes from a Fourier series or from a recorded move.
 
+mod polynomial;
+mod read;
+mod spline;
 mod wave;
+mod waypoints;
 
+pub use read::{MoveOptions, PlayMotion};
+pub use spline::{Degree, Jump, Spline, SplineTube, StartPosture};
 pub use wave::WaveTube;
+pub use waypoints::{Waypoint, Waypoints};
 
-use crate::fourier::{Derivative, Interval, Joints, State};
+use crate::fourier::{Derivative, Extremes, Interval, Joints, State};
+
+/// Intervals that a [`Tube`] is asked about together: as many numbers as a vector of most processors holds.
+pub const LANES: usize = 4;
 
 /// A motion of a robot's joints over a stretch of time: a state at each instant, and rigorous bounds over intervals.
 ///
@@ -27,17 +37,45 @@ pub trait Motion: Sync {
     /// Position to jerk at time `t` \[s\]. Panics when `state` was made for another number of joints.
     fn state_into(&self, t: f64, state: &mut State);
 
-    /// An enclosure of a derivative of one joint over the whole motion.
-    fn range(&self, joint: usize, derivative: Derivative) -> Interval;
+    /// An enclosure of a derivative of one joint over the whole motion, and when its ends are reached.
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes;
+
+    /// [`extremes`](Self::extremes) without the times.
+    fn range(&self, joint: usize, derivative: Derivative) -> Interval {
+        self.extremes(joint, derivative).range
+    }
 
     /// What encloses the positions over intervals; made once for many of them.
     fn tube(&self) -> Self::Tube<'_>;
 }
 
-/// Encloses the positions of all joints over an interval of time.
+/// Encloses the positions of all joints over intervals of time.
 pub trait Tube {
-    /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\].
+    /// Appends intervals (middle, half width) \[s\] that cover the motion from 0 to its duration without a gap and suit it: few
+    /// enough to be quick, short enough that [`over_four`](Self::over_four) is tight. Neighbours share an end.
+    fn pieces(&self, pieces: &mut Vec<(f64, f64)>);
+
+    /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\],
+    /// and a few machine epsilons of the duration beyond, so that neighbours overlap whatever their ends were rounded to.
     ///
-    /// The position is that at `middle`, as nearly as it can be computed; the radius covers what rounding does to it.
+    /// The position is that at `middle`, as nearly as it can be computed; the radius covers what rounding does to it, and
+    /// goes to it as `half` goes to 0.
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]);
+
+    /// [`over`](Self::over) for four intervals at once, one row a joint: what is asked for in inner loops.
+    fn over_four(
+        &mut self,
+        middle: &[f64; LANES],
+        half: &[f64; LANES],
+        position: &mut [[f64; LANES]],
+        radius: &mut [[f64; LANES]],
+    ) {
+        let (mut q, mut r) = (vec![0.0; position.len()], vec![0.0; radius.len()]);
+        for lane in 0..LANES {
+            self.over(middle[lane], half[lane], &mut q, &mut r);
+            for joint in 0..q.len() {
+                (position[joint][lane], radius[joint][lane]) = (q[joint], r[joint]);
+            }
+        }
+    }
 }

@@ -91,8 +91,8 @@ pub(super) fn build(
         } else {
             (parent, pose)
         };
-        contents.add(&mut bodies[body], link, &frame)?;
         let holder = placed.len();
+        contents.add(&mut bodies[body], (holder, link), &frame)?;
         placed.push(Link {
             name: link.name.clone(),
             body,

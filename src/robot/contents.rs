@@ -30,7 +30,7 @@ impl<'a> Contents<'a> {
     pub fn add(
         &mut self,
         body: &mut Body,
-        link: &urdf_rs::Link,
+        (index, link): (usize, &urdf_rs::Link),
         frame: &Isometry3<f64>,
     ) -> Result<()> {
         let here = |e: Error| e.at(format!("link `{}`", listed(&[&link.name])));
@@ -46,6 +46,7 @@ impl<'a> Contents<'a> {
         let solid = |origin: &urdf_rs::Pose, shape, color| Solid {
             shape,
             pose: frame * isometry(origin),
+            link: index,
             color,
         };
         let before = body.collision.len();

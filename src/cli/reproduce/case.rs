@@ -2,8 +2,7 @@
 
 use rand::distr::Distribution;
 
-use crate::cli::check::STEP;
-use crate::collision::CollisionModel;
+use crate::collision::{CollisionModel, MinimumClearance};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
 use crate::fourier::Wave;
@@ -24,8 +23,12 @@ pub(super) struct Case {
     pub waves: Vec<Wave>,
     pub draws: u64,
     pub verdict: Verdict,
+    pub clearance: MinimumClearance,
     pub rollout: Rollout,
 }
+
+/// Of smallest distances \[m\].
+const ACCURACY: f64 = 1e-4;
 
 /// What every condition is tried on.
 pub(super) struct Bench<'a> {
@@ -47,11 +50,9 @@ impl Bench<'_> {
         let mut draws = 0;
         let (first, verdict) = self.redraw(&primitive, &mut draws)?;
         let (second, _) = self.redraw(&primitive, &mut draws)?;
-        let rollout = track(
-            self.robot,
-            &self.map.apply(&first, self.robot)?,
-            &TrackOptions::default(),
-        )?;
+        let mapped = self.map.apply(&first, self.robot)?;
+        let clearance = self.collision.minimum_clearance(&mapped, ACCURACY)?;
+        let rollout = track(self.robot, &mapped, &TrackOptions::default())?;
         Ok(Case {
             name,
             observation,
@@ -59,6 +60,7 @@ impl Bench<'_> {
             waves: vec![first, second],
             draws,
             verdict,
+            clearance,
             rollout,
         })
     }
@@ -73,7 +75,7 @@ impl Bench<'_> {
             let wave = primitive.sample(&mut stream(self.seed, *draws));
             *draws += 1;
             let mapped = self.map.apply(&wave, self.robot)?;
-            let verdict = Verdict::of(self.robot, self.collision, &mapped, STEP)?;
+            let verdict = Verdict::of(self.robot, self.collision, &mapped, 0.0)?;
             if verdict.passes() {
                 return Ok((wave, verdict));
             }

@@ -14,7 +14,7 @@ use self::claims::{Claim, claims};
 use self::pictures::{figure1, figure2, figure3};
 use super::simulate::{rollout_json, rollout_table};
 use super::{Outcome, output};
-use crate::collision::CollisionModel;
+use crate::collision::{CollisionModel, CollisionOptions};
 use crate::demonstration::{Demonstrations, synthetic};
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure::Picture;
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let fits = demonstrations.fit(HARMONICS)?;
     let primitive = FourierMovementPrimitive::from_waves(&fits, &LearnOptions::paper())?;
     let robot = shipped::robot("wave_arm")?;
-    let collision = CollisionModel::new(&robot, &[])?;
+    let collision = CollisionModel::new(&robot, &CollisionOptions::default())?;
     let map = shipped::map("wave_arm_demonstrator")?;
     let bench = Bench {
         robot: &robot,
@@ -132,8 +132,8 @@ fn report(
                 "median_moduli_deg": spectrum(&case.primitive)?,
                 "waves": case.waves.len(),
                 "draws": case.draws,
-                "clearance_m": case.verdict.collision.as_ref().map(|c| c.clearance.distance),
-                "nearest_pair": case.verdict.collision.as_ref().map(|c| [&c.clearance.pair.0, &c.clearance.pair.1]),
+                "clearance_m": case.clearance.lower,
+                "nearest_pair": [&case.clearance.at.pair.0, &case.clearance.at.pair.1],
                 "limits": case.verdict.limits.iter().map(super::check::limit_json).collect::<Vec<_>>(),
                 "rollout": rollout_json(&case.rollout),
             }))

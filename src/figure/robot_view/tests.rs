@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::*;
 use crate::figure::image::MAX_SIDE;
 use crate::figure::layer::BACKGROUND;
+use crate::geometry::Hull;
 
 const SIZE: (u32, u32) = (120, 90);
 
@@ -23,6 +24,11 @@ fn ball(x: f64, radius: f64, color: Color) -> Solid {
         pose,
         color,
     }
+}
+
+fn hull(corners: &[[f64; 3]]) -> Shape {
+    let corners: Vec<_> = corners.iter().copied().map(Point3::from).collect();
+    Hull::new(&corners).unwrap().into()
 }
 
 fn wall(x: f64) -> Solid {
@@ -61,6 +67,19 @@ fn every_shape_is_seen_in_its_colour_and_only_where_it_is() {
             radius: 0.2,
             length: 0.3,
         },
+        // A frustum beside its frame's origin.
+        hull(&[
+            [0.4, 0.4, -0.2],
+            [0.4, -0.2, -0.2],
+            [-0.2, 0.4, -0.2],
+            [-0.2, -0.2, -0.2],
+            [0.3, 0.3, 0.4],
+            [0.3, -0.1, 0.4],
+            [-0.1, 0.3, 0.4],
+            [-0.1, -0.1, 0.4],
+        ]),
+        // Flat, and seen from no side edge on.
+        hull(&[[-0.4, -0.4, 0.4], [0.4, -0.4, -0.4], [0.0, 0.4, 0.0]]),
     ];
     for shape in shapes {
         for turn in [0.0, 0.7, std::f64::consts::FRAC_PI_2] {

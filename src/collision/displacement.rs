@@ -1,0 +1,93 @@
+//! How much nearer two parts can come than they are in one configuration, while every joint stays within a radius of it.
+//!
+//! Between parts A and B lies a chain of joints. Turning one of them by at most r moves every point beyond it, as seen from this side,
+//! by at most rho r, rho the distance of the farthest point from the axis. Let the joints go to where they are one after the other:
+//! those up to some joint s in the order from s to A, those beyond it in the order from s to B. Whenever one moves, the joints
+//! between it and A (or B) have not moved yet, so that A (or B) and the axis are to each other as they were in the one configuration,
+//! and moving A against the axis is moving the axis, with all beyond it, against A. So
+//!
+//! ```text
+//! d(q) >= d(q_m) - sum_{k <= s} rho_k(A) r_k - sum_{k > s} rho_k(B) r_k     for |q - q_m| <= r and every s,
+//! ```
+//!
+//! (what is round about its core, a ball or a capsule, is so however it turns: for it points of the core alone count,) with every rho taken at q_m, and no term of second order. The s of the least sum is taken. Points move by less than this on circles,
+//! and a prismatic joint has rho = 1. What is moved by at most x lets the signed distance change by at most x, deep in each other too:
+//! it is the largest over all directions of the gap between two parallel planes, and each gap changes by at most x.
+
+use std::collections::HashMap;
+
+use super::frames::Frames;
+use super::pairs::Pair;
+use super::part::{Part, PartGeometry};
+
+/// The joints between the parts of a pair, from the first to the second.
+#[derive(Debug, Clone)]
+pub(super) struct Chain {
+    pub steps: Vec<Step>,
+}
+
+/// A joint of a chain.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    /// Number of the joint among [`Frames::joints`].
+    pub joint: usize,
+    /// Which row has its rho for the first part and for the second; `None` for the first where it is a half-space, which is endless.
+    pub rows: (Option<usize>, usize),
+}
+
+/// What rho is wanted of: a part and a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Row {
+    pub part: usize,
+    pub joint: usize,
+}
+
+/// The chain of every pair, and the rows that they share.
+pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Chain>, Vec<Row>) {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut numbers: HashMap<Row, usize> = HashMap::new();
+    let chains = pairs
+        .iter()
+        .map(|pair| {
+            let (a, b) = pair.parts;
+            let up = way(frames, parts[a].body);
+            let down = way(frames, parts[b].body);
+            // Both end at the base; what they share moves both alike.
+            let shared = up
+                .iter()
+                .rev()
+                .zip(down.iter().rev())
+                .take_while(|(x, y)| x == y)
+                .count();
+            let joints = up[..up.len() - shared]
+                .iter()
+                .chain(down[..down.len() - shared].iter().rev());
+            let mut row = |part: usize, joint: usize| {
+                *numbers.entry(Row { part, joint }).or_insert_with(|| {
+                    rows.push(Row { part, joint });
+                    rows.len() - 1
+                })
+            };
+            let endless = matches!(parts[a].geometry, PartGeometry::HalfSpace(_));
+            let steps = joints
+                .map(|joint| Step {
+                    joint: *joint,
+                    rows: ((!endless).then(|| row(a, *joint)), row(b, *joint)),
+                })
+                .collect();
+            Chain { steps }
+        })
+        .collect();
+    (chains, rows)
+}
+
+/// The joints from a body to the base.
+fn way(frames: &Frames, body: usize) -> Vec<usize> {
+    let mut joints = Vec::new();
+    let mut at = body;
+    while at > 0 {
+        joints.push(at - 1);
+        at = frames.joints()[at - 1].parent;
+    }
+    joints
+}

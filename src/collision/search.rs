@@ -1,0 +1,458 @@
+//! The tree of intervals behind the certificate and the minimum clearance.
+
+use super::CollisionModel;
+use super::filter::{Four, PairBounds};
+use super::frames::lane_of;
+use super::part::PartGeometry;
+use crate::geometry::{Warm, rough_separation, separation_with, signed_distance_with};
+use crate::motion::{LANES, Motion, Tube};
+use fearless_simd::{Level, Simd, dispatch};
+
+/// What falls by less than this \[m\] over an interval is not split any more: the answer hangs on less.
+const NARROWEST: f64 = 1e-9;
+
+/// Distances are told apart from here on \[m\]: between a distance and the plane that proves it, and between a margin and what breaks it.
+const FINEST: f64 = 1e-10;
+
+/// No more intervals are looked at; what is left is undecided.
+const MOST_INTERVALS: usize = 4_000_000;
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Goal {
+    /// A proof that every pair stays farther apart than this \[m\].
+    Above(f64),
+    /// The smallest distance, to this accuracy \[m\].
+    Least(f64),
+}
+
+/// A distance, of which pair, when.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct At {
+    pub distance: f64,
+    pub pair: usize,
+    pub time: f64,
+}
+
+/// An interval on which something could be neither proven nor refuted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch {
+    pub from: f64,
+    pub to: f64,
+    pub pair: usize,
+}
+
+/// An interval with the pairs that are proven on it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Leaf {
+    pub middle: f64,
+    pub half: f64,
+    pub pairs: Vec<usize>,
+}
+
+/// How much work a search was.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Intervals of time that were looked at, each with the configuration in its middle.
+    pub intervals: usize,
+    /// Pairs of convex shapes whose distance was bounded beyond balls and capsules.
+    pub distances: usize,
+}
+
+/// What a search found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    goal: Goal,
+    /// The least lower bound, over all pairs and times.
+    pub lower: Option<At>,
+    /// The least distance that is taken in the middle of an interval.
+    pub upper: Option<At>,
+    pub undecided: Vec<Stretch>,
+    /// The tree, where it is kept.
+    pub leaves: Option<Vec<Leaf>>,
+    pub work: Work,
+}
+
+/// An interval that is still to be looked at, and which of `open` are its pairs.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    middle: f64,
+    half: f64,
+    pairs: (usize, usize),
+    /// What its parent proved of these pairs.
+    lower: f64,
+}
+
+/// Memory for searches on one model; nothing is allocated for a search once it has grown.
+pub(super) struct Search<'m> {
+    model: &'m CollisionModel,
+    four: Four,
+    /// Of each pair of convex shapes, the direction that separated them last.
+    warm: Vec<Warm>,
+    pieces: Vec<(f64, f64)>,
+    nodes: Vec<Node>,
+    /// Pairs of the nodes: all, which every piece has, then those of the halves, of the last one at the end.
+    open: Vec<usize>,
+    /// Of each pair, in which of four intervals it is open, as bits.
+    lanes: Vec<u8>,
+    /// Of each interval, what is left open.
+    left: [Vec<usize>; LANES],
+}
+
+impl<'m> Search<'m> {
+    pub fn new(model: &'m CollisionModel) -> Self {
+        Self {
+            model,
+            four: Four::new(model),
+            warm: vec![Warm::default(); model.convex_pairs()],
+            pieces: Vec::new(),
+            nodes: Vec::new(),
+            open: Vec::new(),
+            lanes: vec![0; model.pairs.len()],
+            left: std::array::from_fn(|_| Vec::new()),
+        }
+    }
+
+    /// Searches a motion of the robot's joints; `tolerance` \[rad, m\] a joint is added to how far they may be from it.
+    pub fn run<M: Motion>(
+        &mut self,
+        motion: &M,
+        goal: Goal,
+        tolerance: &[f64],
+        keep: bool,
+    ) -> Found {
+        let mut tube = motion.tube();
+        self.pieces.clear();
+        tube.pieces(&mut self.pieces);
+        // So that a search gives the same whatever was searched before.
+        self.warm.fill(Warm::default());
+        self.nodes.clear();
+        self.open.clear();
+        let mut found = Found::new(goal, keep);
+        let all = &self.model.checked;
+        if all.is_empty() {
+            return found;
+        }
+        self.open.extend_from_slice(all);
+        for (middle, half) in self.pieces.iter().rev() {
+            self.nodes.push(Node {
+                middle: *middle,
+                half: *half,
+                pairs: (0, all.len()),
+                lower: f64::NEG_INFINITY,
+            });
+        }
+        dispatch!(Level::new(), simd => self.search(simd, &mut tube, tolerance, &mut found));
+        found
+    }
+
+    #[inline(always)]
+    fn search<S: Simd, T: Tube>(
+        &mut self,
+        simd: S,
+        tube: &mut T,
+        tolerance: &[f64],
+        found: &mut Found,
+    ) {
+        let model = self.model;
+        while !self.nodes.is_empty() {
+            let (nodes, count) = self.take();
+            found.work.intervals += count;
+            if found.work.intervals > MOST_INTERVALS {
+                for node in &nodes[..count] {
+                    found.give_up(node);
+                }
+                self.lanes.fill(0);
+                continue;
+            }
+            let middle = nodes.map(|n| n.middle);
+            let half = nodes.map(|n| n.half);
+            tube.over_four(
+                &middle,
+                &half,
+                &mut self.four.position,
+                &mut self.four.radius,
+            );
+            self.four.place(simd, model, tolerance);
+            let mut lower = [f64::INFINITY; LANES];
+            if let Some(leaves) = &mut found.leaves {
+                for node in &nodes[..count] {
+                    leaves.push(Leaf {
+                        middle: node.middle,
+                        half: node.half,
+                        pairs: Vec::new(),
+                    });
+                }
+            }
+            for pair in 0..self.lanes.len() {
+                let lanes = std::mem::take(&mut self.lanes[pair]);
+                if lanes == 0 {
+                    continue;
+                }
+                let mut bounds = self.four.by_balls(simd, model, pair);
+                let mut open = found.settle(&bounds, lanes, pair, &middle, count);
+                if open != 0 {
+                    bounds = bounds.and(&self.four.by_capsules(simd, model, pair));
+                    open = found.settle(&bounds, open, pair, &middle, count);
+                }
+                for lane in 0..LANES {
+                    if open >> lane & 1 == 0 {
+                        continue;
+                    }
+                    let at = At {
+                        distance: 0.0,
+                        pair,
+                        time: middle[lane],
+                    };
+                    match self.narrow(simd, &bounds, lane, at, found) {
+                        Narrowed::Proven => found.keep(lane, count, pair),
+                        Narrowed::Open(least) => {
+                            lower[lane] = lower[lane].min(least);
+                            self.left[lane].push(pair);
+                        }
+                        Narrowed::Undecided => found.undecided.push(Stretch {
+                            from: middle[lane] - half[lane],
+                            to: middle[lane] + half[lane],
+                            pair,
+                        }),
+                        Narrowed::Refuted => return,
+                    }
+                }
+            }
+            for lane in (0..count).rev() {
+                self.split(&nodes[lane], lane, lower[lane]);
+            }
+        }
+    }
+
+    /// Up to four nodes off the stack, as many as are; the others repeat the last. Marks their pairs.
+    #[inline(always)]
+    fn take(&mut self) -> ([Node; LANES], usize) {
+        let mut nodes = [self.nodes[self.nodes.len() - 1]; LANES];
+        let count = self.nodes.len().min(LANES);
+        let mut start = self.open.len();
+        for (lane, slot) in nodes.iter_mut().enumerate() {
+            let Some(node) = self.nodes.pop() else { break };
+            for pair in &self.open[node.pairs.0..node.pairs.1] {
+                self.lanes[*pair] |= 1 << lane;
+            }
+            start = start.min(node.pairs.0);
+            *slot = node;
+        }
+        // The first are those of every piece.
+        self.open.truncate(start.max(self.model.checked.len()));
+        (nodes, count)
+    }
+
+    /// Looks at the shapes themselves, in the middle of an interval.
+    #[inline(always)]
+    fn narrow<S: Simd>(
+        &mut self,
+        simd: S,
+        bounds: &PairBounds,
+        lane: usize,
+        at: At,
+        found: &mut Found,
+    ) -> Narrowed {
+        let model = self.model;
+        let pair = &model.pairs[at.pair];
+        let fall = bounds.fall[lane];
+        // What is kept apart by more than this is proven.
+        let bar = found.bar();
+        let needed = bar + fall + pair.padding + model.rounding;
+        let (a, b) = (&model.parts[pair.parts.0], &model.parts[pair.parts.1]);
+        let placed_b = lane_of(&self.four.placed[b.body], lane);
+        let PartGeometry::Convexes { convexes, .. } = &b.geometry else {
+            return Narrowed::Undecided;
+        };
+        let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+        match &a.geometry {
+            PartGeometry::HalfSpace(half_space) => {
+                for convex in convexes {
+                    found.work.distances += 1;
+                    let between = half_space.separation_with(simd, convex.at(&placed_b));
+                    lower = lower.min(between.lower);
+                    upper = upper.min(between.upper);
+                }
+            }
+            PartGeometry::Convexes {
+                convexes: others, ..
+            } => {
+                let placed_a = lane_of(&self.four.placed[a.body], lane);
+                let first = model.first_convex_pair[at.pair];
+                let combinations = others
+                    .iter()
+                    .flat_map(|other| convexes.iter().map(move |c| (other, c)));
+                for (i, (other, convex)) in combinations.enumerate() {
+                    let (placed_a, placed_b) = (other.at(&placed_a), convex.at(&placed_b));
+                    if others.len() * convexes.len() > 1 {
+                        let gap = rough_separation(placed_a, placed_b, needed);
+                        if gap > needed {
+                            lower = lower.min(gap);
+                            continue;
+                        }
+                    }
+                    found.work.distances += 1;
+                    let warm = &mut self.warm[first + i];
+                    let between = separation_with(simd, placed_a, placed_b, warm, needed);
+                    let (mut below, mut above) = (between.lower, between.upper);
+                    if matches!(found.goal, Goal::Least(_)) && below <= needed {
+                        above = signed_distance_with(simd, placed_a, placed_b, warm).distance;
+                        // By the plane that this ended with.
+                        below =
+                            separation_with(simd, placed_a, placed_b, warm, above - FINEST).lower;
+                    }
+                    lower = lower.min(below);
+                    upper = upper.min(above);
+                }
+            }
+        }
+        let least = lower - pair.padding - model.rounding - fall;
+        let least = least.max(bounds.lower[lane]);
+        if least > bar {
+            found.proven(At {
+                distance: least,
+                ..at
+            });
+            return Narrowed::Proven;
+        }
+        let upper = upper - pair.padding;
+        let witness = At {
+            distance: upper,
+            ..at
+        };
+        match found.goal {
+            Goal::Above(margin) if upper <= margin + FINEST => {
+                found.upper = Some(witness);
+                return Narrowed::Refuted;
+            }
+            // However narrow the interval, the tolerance alone leaves it open.
+            Goal::Above(margin) if upper - bounds.rest[lane] <= margin || fall < NARROWEST => {
+                return Narrowed::Undecided;
+            }
+            Goal::Above(_) => {}
+            Goal::Least(_) => {
+                if found.upper.is_none_or(|best| upper < best.distance) {
+                    found.upper = Some(witness);
+                }
+                if least > found.bar() || fall < NARROWEST {
+                    found.proven(At {
+                        distance: least,
+                        ..at
+                    });
+                    return Narrowed::Proven;
+                }
+            }
+        }
+        Narrowed::Open(least)
+    }
+
+    /// Puts the two halves of a node on the stack, with the pairs that are left of it.
+    #[inline(always)]
+    fn split(&mut self, node: &Node, lane: usize, lower: f64) {
+        if self.left[lane].is_empty() {
+            return;
+        }
+        let half = node.half / 2.0;
+        for middle in [node.middle + half, node.middle - half] {
+            let start = self.open.len();
+            self.open.extend_from_slice(&self.left[lane]);
+            self.nodes.push(Node {
+                middle,
+                half,
+                pairs: (start, self.open.len()),
+                lower,
+            });
+        }
+        self.left[lane].clear();
+    }
+}
+
+/// What became of a pair on an interval.
+enum Narrowed {
+    Proven,
+    /// With this lower bound.
+    Open(f64),
+    Undecided,
+    Refuted,
+}
+
+impl Found {
+    fn new(goal: Goal, keep: bool) -> Self {
+        Self {
+            goal,
+            lower: None,
+            upper: None,
+            undecided: Vec::new(),
+            leaves: keep.then(Vec::new),
+            work: Work::default(),
+        }
+    }
+
+    /// Which of the intervals `lanes` stay open for a pair.
+    #[inline(always)]
+    fn settle(
+        &mut self,
+        bounds: &PairBounds,
+        lanes: u8,
+        pair: usize,
+        middle: &[f64; LANES],
+        count: usize,
+    ) -> u8 {
+        let bar = self.bar();
+        let mut open = lanes;
+        for lane in 0..LANES {
+            if lanes >> lane & 1 == 1 && bounds.lower[lane] > bar {
+                open &= !(1 << lane);
+                self.proven(At {
+                    distance: bounds.lower[lane],
+                    pair,
+                    time: middle[lane],
+                });
+                self.keep(lane, count, pair);
+            }
+        }
+        open
+    }
+
+    /// What is proven to stay above this is done with.
+    #[inline(always)]
+    fn bar(&self) -> f64 {
+        match self.goal {
+            Goal::Above(margin) => margin,
+            Goal::Least(accuracy) => self
+                .upper
+                .map_or(f64::INFINITY, |at| at.distance - accuracy),
+        }
+    }
+
+    #[inline(always)]
+    fn proven(&mut self, at: At) {
+        if self.lower.is_none_or(|least| at.distance < least.distance) {
+            self.lower = Some(at);
+        }
+    }
+
+    /// Notes in the tree that a pair is proven on one of the last `count` intervals.
+    #[inline(always)]
+    fn keep(&mut self, lane: usize, count: usize, pair: usize) {
+        if let Some(leaves) = &mut self.leaves {
+            let start = leaves.len() - count;
+            leaves[start + lane].pairs.push(pair);
+        }
+    }
+
+    /// An interval that is left when enough have been looked at.
+    fn give_up(&mut self, node: &Node) {
+        self.undecided.push(Stretch {
+            from: node.middle - node.half,
+            to: node.middle + node.half,
+            pair: 0,
+        });
+        self.proven(At {
+            distance: node.lower,
+            pair: 0,
+            time: node.middle,
+        });
+    }
+}

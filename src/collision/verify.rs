@@ -1,0 +1,416 @@
+//! A second look at a certificate, by other means: poses by the robot's own kinematics, distances by parry, and how far points are from axes
+//! by the corners of the shapes.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use parry3d::math::{Pose, Rotation, Vector};
+use parry3d::query;
+use parry3d::shape::SharedShape;
+
+use super::certificate::Certificate;
+use super::scene::{SceneObject, SceneShape};
+use super::{CollisionModel, CollisionOptions};
+use crate::error::{Error, ErrorKind, Result};
+use crate::geometry::{HalfSpace, Shape};
+use crate::motion::{Motion, Tube};
+use crate::robot::{JointKind, Robot};
+
+/// What a verification looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verified {
+    /// Intervals of time.
+    pub intervals: usize,
+    /// Distances by parry.
+    pub distances: usize,
+    /// On no interval came a pair nearer to the margin than this \[m\].
+    pub spare: f64,
+}
+
+/// One side of a pair.
+struct Side {
+    body: usize,
+    shapes: Vec<Placed>,
+}
+
+/// A shape in the frame of its body.
+enum Placed {
+    Convex {
+        shape: SharedShape,
+        pose: Isometry3<f64>,
+        /// Points and a radius about them that enclose it.
+        corners: Vec<Point3<f64>>,
+        radius: f64,
+        /// By so much it may be larger than `shape`.
+        tolerance: f64,
+    },
+    HalfSpace(HalfSpace),
+}
+
+impl Certificate {
+    /// Verifies the proof for this robot, motion and options: that it is of these joints, this geometry and these pairs, that its intervals
+    /// cover the motion for every pair, and that on each the distance in the middle, by parry, exceeds what it can fall.
+    ///
+    /// # Errors
+    /// When anything of that does not hold; the message says what.
+    pub fn verify<M: Motion>(
+        &self,
+        robot: &Robot,
+        motion: &M,
+        options: &CollisionOptions,
+    ) -> Result<Verified> {
+        let file = &self.file;
+        let refuse = |what: String| Error::new(ErrorKind::Infeasible, what).at("certificate");
+        if *motion.joints() != self.joints || *robot.joints() != self.joints {
+            return Err(refuse(format!("it is of {}", self.joints.listed()))
+                .expected(motion.joints().listed()));
+        }
+        if motion.duration() != file.duration_s || motion.is_periodic() != file.is_periodic {
+            return Err(
+                refuse(format!("it is of a motion of {} s", file.duration_s))
+                    .expected(format!("{} s", motion.duration())),
+            );
+        }
+        let is_number = |x: &f64| *x >= 0.0 && x.is_finite();
+        if !(is_number(&file.margin_m) && file.tolerance.iter().all(is_number)) {
+            return Err(refuse("a margin or tolerance that is none".to_owned()));
+        }
+        let model = CollisionModel::new(robot, options)?;
+        if model.geometry_sha256(robot) != file.geometry_sha256 {
+            return Err(refuse("the collision geometry is another one".to_owned())
+                .help("give the same URDF, meshes and scene"));
+        }
+        let checked: Vec<_> = model.pairs().iter().filter(|p| p.is_checked()).collect();
+        let same = checked.len() == file.checked.len()
+            && checked
+                .iter()
+                .zip(&file.checked)
+                .all(|(pair, entry)| pair.names == entry.pair && pair.padding == entry.padding_m);
+        if !same || model.not_checked() != file.not_checked {
+            return Err(refuse("the pairs that are checked are others".to_owned())
+                .help("give the same SRDF and the same pairs to be left out"));
+        }
+        let sides = checked
+            .iter()
+            .map(|pair| {
+                Ok([
+                    side(robot, options, &pair.names.0)?,
+                    side(robot, options, &pair.names.1)?,
+                ])
+            })
+            .collect::<Result<Vec<_>>>()?;
+        self.require_cover()?;
+        let joints = self.joints.len();
+        let mut tube = motion.tube();
+        let (mut q, mut radius) = (vec![0.0; joints], vec![0.0; joints]);
+        let mut verified = Verified {
+            intervals: file.tree.len(),
+            distances: 0,
+            spare: f64::INFINITY,
+        };
+        for (middle, half, pairs) in &file.tree {
+            tube.over(*middle, *half, &mut q, &mut radius);
+            for (radius, tolerance) in radius.iter_mut().zip(&file.tolerance) {
+                *radius += tolerance;
+            }
+            let poses = robot.body_poses(&q);
+            for number in pairs {
+                let [a, b] = &sides[*number];
+                let fall = fall(robot, &poses, a, b, &radius);
+                let (distance, looks) = distance(&poses, a, b);
+                verified.distances += looks;
+                let spare = distance - file.checked[*number].padding_m - fall - file.margin_m;
+                if spare <= 0.0 || spare.is_nan() {
+                    let (first, second) = &file.checked[*number].pair;
+                    return Err(refuse(format!(
+                        "{first} and {second} are {distance:.6} m apart at {middle:.4} s and may come nearer by {fall:.6} m within {half:.2e} s"
+                    ))
+                    .expected(format!("a distance above the margin of {} m", file.margin_m)));
+                }
+                verified.spare = verified.spare.min(spare);
+            }
+        }
+        Ok(verified)
+    }
+
+    /// For every pair the intervals follow each other without a gap, from 0 to the end.
+    fn require_cover(&self) -> Result<()> {
+        let file = &self.file;
+        // Ends of neighbours are rounded; intervals are meant to reach over by a few machine epsilons (see `Tube::over`).
+        let rounding = 4.0 * f64::EPSILON * file.duration_s;
+        let mut intervals: Vec<Vec<(f64, f64)>> = vec![Vec::new(); file.checked.len()];
+        for (middle, half, pairs) in &file.tree {
+            if !(middle.is_finite() && *half >= 0.0 && half.is_finite()) {
+                return Err(
+                    Error::new(ErrorKind::Value, format!("an interval about {middle} s"))
+                        .at("certificate"),
+                );
+            }
+            for pair in pairs {
+                intervals[*pair].push((middle - half, middle + half));
+            }
+        }
+        for (entry, intervals) in file.checked.iter().zip(&mut intervals) {
+            intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut covered = 0.0;
+            for (from, to) in intervals.iter() {
+                if *from > covered + rounding {
+                    break;
+                }
+                covered = f64::max(covered, *to);
+            }
+            if covered < file.duration_s - rounding {
+                return Err(Error::new(
+                    ErrorKind::Infeasible,
+                    format!(
+                        "{} and {} are not proven from {covered} s on",
+                        entry.pair.0, entry.pair.1
+                    ),
+                )
+                .expected(format!("a proof to {} s", file.duration_s))
+                .at("certificate"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn side(robot: &Robot, options: &CollisionOptions, name: &str) -> Result<Side> {
+    if let Some(object) = options.scene.objects().iter().find(|o| o.name == name) {
+        return Ok(Side {
+            body: 0,
+            shapes: vec![of_object(object)?],
+        });
+    }
+    let link = robot.links().iter().position(|l| l.name == name);
+    let Some(link) = link else {
+        return Err(Error::new(ErrorKind::Name, format!("no link `{name}`")));
+    };
+    let body = robot.links()[link].body;
+    let solids = robot.bodies()[body]
+        .collision
+        .iter()
+        .filter(|s| s.link == link);
+    Ok(Side {
+        body,
+        shapes: solids
+            .map(|s| convex(&s.shape, &s.pose))
+            .collect::<Result<_>>()?,
+    })
+}
+
+fn of_object(object: &SceneObject) -> Result<Placed> {
+    match &object.shape {
+        SceneShape::HalfSpace(half_space) => Ok(Placed::HalfSpace(*half_space)),
+        SceneShape::Solid(shape, pose) => convex(shape, pose),
+    }
+}
+
+fn convex(shape: &Shape, pose: &Isometry3<f64>) -> Result<Placed> {
+    let upright = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
+    let along = |length: f64| {
+        [-0.5, 0.5]
+            .map(|end| Point3::new(0.0, 0.0, end * length))
+            .to_vec()
+    };
+    let none = Isometry3::identity();
+    let (parry, turn, corners, radius, tolerance) = match shape {
+        Shape::Sphere { radius } => (
+            SharedShape::ball(*radius),
+            none,
+            vec![Point3::origin()],
+            *radius,
+            0.0,
+        ),
+        Shape::Capsule { radius, length } => (
+            SharedShape::capsule_z(length / 2.0, *radius),
+            none,
+            along(*length),
+            *radius,
+            0.0,
+        ),
+        // parry's cylinders stand along y.
+        Shape::Cylinder { radius, length } => (
+            SharedShape::cylinder(length / 2.0, *radius),
+            upright,
+            along(*length),
+            *radius,
+            0.0,
+        ),
+        Shape::Box { half_extents: h } => {
+            let corners = (0..8).map(|i| {
+                let sign = |axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                Point3::new(sign(0) * h.x, sign(1) * h.y, sign(2) * h.z)
+            });
+            (
+                SharedShape::cuboid(h.x, h.y, h.z),
+                none,
+                corners.collect(),
+                0.0,
+                0.0,
+            )
+        }
+        Shape::Hull(hull) => {
+            let points: Vec<Vector> = hull
+                .vertices()
+                .iter()
+                .map(|v| Vector::new(v.x, v.y, v.z))
+                .collect();
+            let parry = SharedShape::convex_mesh(points, hull.faces()).ok_or_else(|| {
+                Error::new(
+                    ErrorKind::Unsupported,
+                    "a flat hull, which parry does not know",
+                )
+            })?;
+            (
+                parry,
+                none,
+                hull.vertices().to_vec(),
+                hull.tolerance(),
+                hull.tolerance(),
+            )
+        }
+    };
+    Ok(Placed::Convex {
+        shape: parry,
+        pose: pose * turn,
+        corners: corners.iter().map(|c| pose * c).collect(),
+        radius,
+        tolerance,
+    })
+}
+
+/// The smallest distance of two sides, and how many of shapes were measured.
+fn distance(poses: &[Isometry3<f64>], a: &Side, b: &Side) -> (f64, usize) {
+    let mut least = f64::INFINITY;
+    let mut looks = 0;
+    for left in &a.shapes {
+        for right in &b.shapes {
+            looks += 1;
+            least = least.min(match (left, right) {
+                (
+                    Placed::Convex {
+                        shape,
+                        pose,
+                        tolerance,
+                        ..
+                    },
+                    Placed::Convex {
+                        shape: other,
+                        pose: placed,
+                        tolerance: slack,
+                        ..
+                    },
+                ) => {
+                    let (left, right) = (
+                        parry(&(poses[a.body] * pose)),
+                        parry(&(poses[b.body] * placed)),
+                    );
+                    // parry says 0 when its search gives up: on the safe side, as is here what it does not support or is no number.
+                    let found = query::distance(&left, &**shape, &right, &**other)
+                        .map_or(0.0, |d| d.distance);
+                    if found.is_finite() {
+                        found - tolerance - slack
+                    } else {
+                        0.0
+                    }
+                }
+                (
+                    Placed::HalfSpace(half_space),
+                    Placed::Convex {
+                        shape,
+                        pose,
+                        tolerance,
+                        ..
+                    },
+                ) => {
+                    let n = half_space.normal();
+                    let down = Vector::new(-n.x, -n.y, -n.z);
+                    let lowest = shape
+                        .as_support_map()
+                        .map(|s| s.support_point(&parry(&(poses[b.body] * pose)), down));
+                    lowest.map_or(0.0, |p| -down.dot(p) - half_space.offset() - tolerance)
+                }
+                _ => 0.0,
+            });
+        }
+    }
+    (least, looks)
+}
+
+/// How much the distance can fall while every joint stays within its radius: over the joints between the two, those up to one of them by the
+/// corners of the first side, the others by those of the second (see `displacement`).
+fn fall(robot: &Robot, poses: &[Isometry3<f64>], a: &Side, b: &Side, radius: &[f64]) -> f64 {
+    let way = |body: usize| {
+        let mut bodies = Vec::new();
+        let mut at = body;
+        while robot.bodies()[at].joint.is_some() {
+            bodies.push(at);
+            at = robot.bodies()[at].parent;
+        }
+        bodies
+    };
+    let (up, mut down) = (way(a.body), way(b.body));
+    let shared = up
+        .iter()
+        .rev()
+        .zip(down.iter().rev())
+        .take_while(|(x, y)| x == y)
+        .count();
+    down.truncate(down.len() - shared);
+    let chain: Vec<usize> = up[..up.len() - shared]
+        .iter()
+        .copied()
+        .chain(down.into_iter().rev())
+        .collect();
+    let moved = |side: &Side, body: usize| {
+        let Some(joint) = &robot.bodies()[body].joint else {
+            return 0.0;
+        };
+        let turn = joint.multiplier.abs() * radius[joint.index];
+        let rho = match joint.kind {
+            JointKind::Prismatic => 1.0,
+            JointKind::Revolute => {
+                let axis = poses[body].rotation * joint.axis.into_inner();
+                farthest(poses, side, &poses[body].translation.vector, &axis)
+            }
+        };
+        rho * turn
+    };
+    let first: Vec<f64> = chain.iter().map(|body| moved(a, *body)).collect();
+    let second: Vec<f64> = chain.iter().map(|body| moved(b, *body)).collect();
+    (0..=chain.len())
+        .map(|s| first[..s].iter().sum::<f64>() + second[s..].iter().sum::<f64>())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The distance of the farthest point of a side from an axis.
+fn farthest(
+    poses: &[Isometry3<f64>],
+    side: &Side,
+    origin: &Vector3<f64>,
+    axis: &Vector3<f64>,
+) -> f64 {
+    let mut most: f64 = 0.0;
+    for shape in &side.shapes {
+        match shape {
+            Placed::HalfSpace(_) => return f64::INFINITY,
+            Placed::Convex {
+                corners, radius, ..
+            } => {
+                for corner in corners {
+                    let arm = (poses[side.body] * corner).coords - origin;
+                    most = most.max(arm.cross(axis).norm() + radius);
+                }
+            }
+        }
+    }
+    most
+}
+
+/// parry speaks glam.
+fn parry(isometry: &Isometry3<f64>) -> Pose {
+    let (t, r) = (&isometry.translation.vector, &isometry.rotation.coords);
+    Pose::from_parts(
+        Vector::new(t.x, t.y, t.z),
+        Rotation::from_xyzw(r.x, r.y, r.z, r.w),
+    )
+}
