@@ -188,12 +188,12 @@ fn with_still_joints(wave: &Wave) -> Wave {
     .unwrap()
 }
 
-/// How far the hand swings to the side, forward and up \[m\], and what share of the way of the shoulder's arm that is.
+/// The palm goes to the left when the person's does (or its mirror image to the right), and farther than forward or up.
 #[test]
 fn hands_swing_from_side_to_side_with_the_person() {
     let wave = &waves(1)[0];
     let person = shipped::robot("wave_arm").unwrap();
-    let sideways = |robot: &Robot, map: &JointMap| -> Vec<Vector3<f64>> {
+    let palms = |robot: &Robot, map: &JointMap| -> Vec<Vector3<f64>> {
         let wave = map.apply(wave, robot).unwrap();
         let palm = robot.links().iter().position(|l| l.name == "palm").unwrap();
         (0..400)
@@ -203,10 +203,10 @@ fn hands_swing_from_side_to_side_with_the_person() {
             })
             .collect()
     };
-    let reference = sideways(&person, &demonstrator("wave_arm"));
+    let reference = palms(&person, &demonstrator("wave_arm"));
     for name in shipped::robots() {
         let robot = shipped::robot(name).unwrap();
-        let found = sideways(&robot, &demonstrator(name));
+        let found = palms(&robot, &demonstrator(name));
         let side = if name == "wave_arm_left" { -1.0 } else { 1.0 };
         let agreement = correlation(
             &reference.iter().map(|p| p.y).collect::<Vec<_>>(),
