@@ -10,6 +10,7 @@ mod filter;
 mod frames;
 mod pairs;
 mod part;
+mod profile;
 mod scene;
 mod search;
 mod verify;
@@ -19,13 +20,14 @@ pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
 pub use configuration::{Checker, Clearance};
 pub use contacts::PairContacts;
 pub use pairs::{Pair, PairStatus};
+pub use profile::ProfileInterval;
 pub use scene::{Scene, SceneObject, SceneShape};
 pub use search::Work;
 pub use verify::Verified;
 
 use nalgebra::Isometry3;
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::Joints;
 use crate::geometry::Solid;
 use crate::robot::Robot;
@@ -96,6 +98,7 @@ impl CollisionModel {
                     ErrorKind::Unsupported,
                     format!("{} collision meshes were not read, first {first}", unread.len()),
                 )
+                .because(Reason::NoCollisionGeometry)
                 .expected("a collision shape of every link that has one in the file")
                 .help("say where meshes are with --meshes, or replace them by primitives; limits and simulation work without"),
             ));
@@ -136,6 +139,7 @@ impl CollisionModel {
                     ErrorKind::Infeasible,
                     "too few links have collision shapes for any to touch",
                 )
+                .because(Reason::NoCollisionGeometry)
                 .help("add <collision> elements to the URDF"),
             ));
         }
@@ -175,8 +179,7 @@ impl CollisionModel {
             }
             model.checked = model.those_checked();
         }
-        let touching = model.checker().touching(&robot.rest());
-        for pair in touching {
+        for pair in model.checker().touching(&robot.rest()) {
             match &mut model.pairs[pair].status {
                 status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
                 PairStatus::Rigid { touching } => *touching = true,
@@ -228,6 +231,7 @@ impl CollisionModel {
                 ErrorKind::Infeasible,
                 "no pair of links is checked: those with collision shapes are neighbours or left out",
             )
+            .because(Reason::NoCollisionGeometry)
             .help("add collision shapes to the URDF, or leave out fewer pairs")
             .at(format!("robot `{}`", self.robot)));
         }
