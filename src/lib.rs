@@ -135,8 +135,8 @@ pub use {nalgebra, num_complex, rand};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
-    MinimumClearance, Moment, Pair, PairContacts, PairStatus, ProfileInterval, Prover, Scene, SceneObject,
-    SceneShape, Stretch, Verified, Work,
+    MinimumClearance, Moment, Pair, PairContacts, PairStatus, ProfileInterval, Prover, Scene,
+    SceneObject, SceneShape, Stretch, Verified, Work,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,

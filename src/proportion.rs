@@ -127,10 +127,7 @@ mod tests {
             for confidence in [0.5, 0.95, 0.999] {
                 let (lower, upper) = clopper_pearson(k, n, confidence);
                 let tail = 0.5 * (1.0 - confidence);
-                assert!(
-                    (at_least(k, n, lower) / tail - 1.0).abs() < 1e-9,
-                    "{k} {n}"
-                );
+                assert!((at_least(k, n, lower) / tail - 1.0).abs() < 1e-9, "{k} {n}");
                 let above = 1.0 - at_least(k + 1, n, upper);
                 assert!((above / tail - 1.0).abs() < 1e-9, "{k} {n} {above}");
             }

@@ -53,8 +53,7 @@ impl CollisionModel {
                 let middle = 0.5 * (from + to);
                 // The rounding of the ends is within what a tube reaches over.
                 let piece = (middle, f64::max(middle - from, to - middle));
-                let found =
-                    search.run_within(&mut tube, piece, Goal::Least(accuracy), &exact);
+                let found = search.run_within(&mut tube, piece, Goal::Least(accuracy), &exact);
                 let (Some(lower), Some(upper)) = (found.lower, found.upper) else {
                     return Err(Error::new(ErrorKind::Infeasible, "a motion of no duration"));
                 };

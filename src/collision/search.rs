@@ -139,13 +139,7 @@ impl<'m> Search<'m> {
         self.start(tube, goal, tolerance, false)
     }
 
-    fn start<T: Tube>(
-        &mut self,
-        tube: &mut T,
-        goal: Goal,
-        tolerance: &[f64],
-        keep: bool,
-    ) -> Found {
+    fn start<T: Tube>(&mut self, tube: &mut T, goal: Goal, tolerance: &[f64], keep: bool) -> Found {
         // So that a search gives the same whatever was searched before.
         self.warm.fill(Warm::default());
         self.nodes.clear();
