@@ -78,9 +78,9 @@
 //!
 //! # What a check assumes
 //!
-//! That the collision shapes of the URDF enclose the robot, that its joints are within the stated tolerance of the motion, and that
-//! the scene is all that is in reach. Under these, [`CollisionModel::certify`] proves that nothing touches at any time, between samples too, and
-//! a [`Certificate`] can be verified by other means. This is no safety function in the sense of any standard.
+//! That the collision shapes of the URDF enclose the robot, that each joint is within its tolerance of where it is commanded
+//! to be, and that nothing but the [`Scene`] is in reach. Under these, [`Prover::certify`] proves a motion clear between
+//! samples too, and a [`Certificate`] can be verified again. This is no safety function in the sense of any standard.
 //!
 //! # Features
 //!
@@ -115,6 +115,7 @@ mod motion;
 mod normal;
 pub mod posterior;
 mod primitive;
+mod proportion;
 #[cfg(feature = "robot")]
 mod retarget;
 #[cfg(feature = "robot")]
@@ -134,8 +135,8 @@ pub use {nalgebra, num_complex, rand};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
-    MinimumClearance, Moment, Pair, PairContacts, PairStatus, Prover, Scene, SceneObject,
-    SceneShape, Stretch, Verified, Work,
+    MinimumClearance, Moment, Pair, PairContacts, PairStatus, ProfileInterval, Prover, Scene,
+    SceneObject, SceneShape, Stretch, Verified, Work,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
@@ -144,7 +145,7 @@ pub use demonstration::{
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{
-    JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
+    CheckOptions, JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
     without_velocity_limit,
 };
 pub use fourier::{
@@ -170,6 +171,7 @@ pub use primitive::{
     PhaseForm, Posterior, Quantity, Start, StartSpread, Target, TrajectoryMoments, Unit, ViaPoint,
     WeightGradient, stream,
 };
+pub use proportion::clopper_pearson;
 #[cfg(feature = "robot")]
 pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]

@@ -165,6 +165,18 @@ pub fn map(name: &str) -> Result<JointMap> {
     JointMap::from_toml(toml)
 }
 
+/// The URDF text of a shipped robot; what a certificate takes the fingerprint of.
+pub fn robot_text(name: &str) -> Option<&'static str> {
+    let found = ROBOTS.iter().find(|(n, ..)| *n == name);
+    found.map(|(_, urdf, ..)| *urdf)
+}
+
+/// The TOML text of a shipped joint map.
+pub fn map_text(name: &str) -> Option<&'static str> {
+    let found = MAPS.iter().find(|(n, ..)| *n == name);
+    found.map(|(.., toml)| *toml)
+}
+
 /// The shipped map that takes most of these learned joints to a robot, and its name; `None` when none fits.
 ///
 /// # Errors

@@ -5,210 +5,417 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::robot::RobotArguments;
-use super::robot::tell_notes;
-use super::simulate::units;
-use super::{Outcome, output, read_wave};
-use crate::collision::{Certification, CollisionModel, MinimumClearance, PairStatus};
-use crate::error::{Error, ErrorKind, Result};
-use crate::feasibility::{LimitUse, Verdict, limits};
-use crate::fourier::Derivative;
-use crate::robot::JointKind;
+use super::demands::{Apart, Demands};
+use super::moves::{Course, Loaded, MoveArguments};
+use super::pairs::{self, PairArguments};
+use super::robot::{Reading, RobotArguments, tell_notes};
+use super::trajectory::Form;
+use super::verdict::{
+    codes, collision_json, collision_words, limit_json, limit_source, limit_table,
+};
+use super::{Outcome, output};
+use crate::collision::{Certificate, Certification, CollisionModel, PairContacts, ProfileInterval};
+use crate::error::{Error, ErrorKind, Reason, Result};
+use crate::feasibility::{CheckOptions, LimitUse, Verdict, limits_with, without_velocity_limit};
+use crate::figure::{ClearanceCourse, clearance};
+use crate::motion::Motion;
+use crate::robot::Robot;
 
-/// Check a wave on a robot: position and velocity limits, self-collision.
-/// Of the smallest clearance \[m\].
-const ACCURACY: f64 = 1e-4;
+/// Intervals of a figure.
+const COLUMNS: usize = 600;
+/// How exactly a figure tells the clearance \[m\].
+const DRAWN: f64 = 2e-4;
+/// Width and height of a panel of the figure \[px\].
+const PANEL: (u32, u32) = (900, 320);
 
+/// Check a wave or a recorded move on a robot: limits, and a proof that it keeps clear of itself and of a scene.
 #[derive(Args)]
 #[command(
-    after_help = "Limits are checked against rigorous bounds of the wave over its period; self-collision by a proof that\n\
-    holds between samples too. Exit code 3 when the wave does not pass.\n\n\
-    Example:\n  \
-    undulate check wave.json --robot wave_arm\n  \
-    undulate check wave.json --robot my.urdf --map my.toml --leave-out base:forearm"
+    after_help = "MOTION is a wave file, or a move of the robot's own joints: CSV with times, JSON with the fields of trajectory_msgs/JointTrajectory, or\n\
+    the YAML of play_motion2; the move is taken as the spline that joint_trajectory_controller runs. Limits are held against rigorous bounds over the\n\
+    whole motion, and the proof holds between samples too. What cannot be checked does not pass. Each reason for that is a line `reason: CODE`, and an\n\
+    entry of `reasons` with --json; codes are stable, see --reasons. Exit codes: 0 passes, 1 an input cannot be used, 2 the command line is wrong,\n\
+    3 does not pass.\n\n\
+    Examples:\n  \
+    undulate check wave.json --robot wave_arm --margin 0.005 --tolerance 0.1deg --figure clearance.svg\n  \
+    undulate check wave.json --robot my.urdf --map my.toml --meshes meshes/ --srdf my.srdf --scene table.toml --certificate wave.cert.json\n  \
+    undulate check nod.csv motions.yaml --all-motions --robot my.urdf --max-acceleration 8 --json\n  \
+    undulate check --reasons"
 )]
 pub(super) struct Arguments {
-    /// The wave file.
-    wave: PathBuf,
+    /// Wave files and recorded moves.
+    #[arg(value_name = "MOTION", required_unless_present = "reasons")]
+    motions: Vec<PathBuf>,
+    /// A URDF file, or the name of a shipped robot (`wave_arm`).
+    #[arg(long, value_name = "URDF|NAME", required_unless_present = "reasons")]
+    robot: Option<String>,
+    /// A joint map (TOML) for waves, or the name of a shipped one. Default: for a shipped robot, the shipped map that fits the joints; else
+    /// equal names.
+    #[arg(long, value_name = "TOML|NAME")]
+    map: Option<String>,
     #[command(flatten)]
-    robot: RobotArguments,
-    /// Links must stay farther apart than this [m].
-    #[arg(
-        long,
-        value_name = "METRES",
-        allow_negative_numbers = true,
-        default_value_t = 0.0
-    )]
-    margin: f64,
-    /// Two links that are not to be kept apart; may be given several times.
-    #[arg(long, value_name = "LINK:LINK")]
-    leave_out: Vec<String>,
+    reading: Reading,
+    #[command(flatten)]
+    moves: MoveArguments,
+    #[command(flatten)]
+    demands: Demands,
+    #[command(flatten)]
+    apart: Apart,
+    #[command(flatten)]
+    pairs: PairArguments,
+    /// Write the proof, with all that it rests on, where the motion passes: what `undulate verify` looks at again.
+    #[arg(long, value_name = "FILE.json")]
+    certificate: Option<PathBuf>,
+    /// Draw the clearance over time, a panel a motion.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    figure: Option<PathBuf>,
+    /// Print the table of reasons, and nothing else.
+    #[arg(long)]
+    reasons: bool,
+}
+
+/// What became of one motion.
+struct Answer {
+    name: String,
+    held: Vec<(String, f64)>,
+    warnings: Vec<String>,
+    limits: Vec<LimitUse>,
+    verdict: Option<Verdict>,
+    profile: Vec<ProfileInterval>,
+    certificate: Option<Certificate>,
+    error: Option<Error>,
+}
+
+impl Answer {
+    fn of_error(name: String, error: Error) -> Self {
+        Self {
+            name,
+            held: Vec::new(),
+            warnings: Vec::new(),
+            limits: Vec::new(),
+            verdict: None,
+            profile: Vec::new(),
+            certificate: None,
+            error: Some(error),
+        }
+    }
+
+    fn reasons(&self) -> Vec<Reason> {
+        let mut reasons = match &self.verdict {
+            Some(verdict) => verdict.reasons(),
+            None => self.limits.iter().filter_map(LimitUse::reason).collect(),
+        };
+        reasons.extend(self.error.as_ref().map(Reason::of));
+        reasons.sort_unstable();
+        reasons.dedup();
+        reasons
+    }
+}
+
+/// All that motions are held against.
+struct Gate<'a> {
+    robot: &'a Robot,
+    /// Or why there is none: limits can be told all the same.
+    collision: &'a Result<CollisionModel>,
+    options: &'a CheckOptions,
+    /// Where limits come from that are not the robot's.
+    given: &'a str,
+    arguments: &'a Arguments,
+    target: &'a RobotArguments,
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
-    let wave = read_wave(&arguments.wave)?;
-    let (robot, map) = arguments.robot.load(wave.joints())?;
-    let wave = map.apply(&wave, &robot)?;
-    let left_out = arguments
-        .leave_out
-        .iter()
-        .map(|pair| {
-            pair.split_once(':')
-                .map(|(a, b)| (a.to_owned(), b.to_owned()))
-                .ok_or_else(|| {
-                    Error::new(ErrorKind::Setting, format!("--leave-out {pair}"))
-                        .expected("LINK:LINK")
-                })
-        })
-        .collect::<Result<Vec<_>>>()?;
-    let mut options = arguments.robot.reading.collision(&robot)?;
-    options.left_out = left_out;
-    let notes = tell_notes(&robot);
-    let limits = limits(&robot, &wave)?;
-    let looked_at = CollisionModel::new(&robot, &options).and_then(|collision| {
-        let verdict = Verdict::of(&robot, &collision, &wave, arguments.margin)?;
-        let clearance = collision.minimum_clearance(&wave, ACCURACY)?;
-        Ok((verdict, clearance, collision))
-    });
-    let (verdict, clearance, collision) = looked_at.inspect_err(|error| {
-        // Limits can be told even where contact cannot; the answer is no all the same.
+    if arguments.reasons {
+        let rows: Vec<Vec<String>> = Reason::ALL
+            .iter()
+            .map(|r| vec![format!("{:<22}{}", r.code(), r.meaning())])
+            .collect();
+        let value: Value = Reason::ALL
+            .iter()
+            .map(|r| json!({"code": r.code(), "meaning": r.meaning()}))
+            .collect();
+        output::report(json, &json!({"reasons": value}), || {
+            output::table(&[&format!("{:<22}meaning", "code")], &rows)
+        });
+        return Ok(Outcome::Done);
+    }
+    let looked_at = look(arguments, json);
+    looked_at.unwrap_or_else(|error| {
+        // Whatever went wrong, nobody who reads the report may take it for a yes.
+        let reasons = [Reason::of(&error)];
         let value = json!({
             "passes": false,
-            "notes": notes,
-            "limits": limits.iter().map(limit_json).collect::<Vec<_>>(),
-            "collision": null,
+            "reasons": codes(&reasons),
             "error": error.to_string(),
         });
-        output::report(json, &value, || limit_table(&limits));
-    })?;
-    for pair in collision
-        .pairs()
+        output::report(json, &value, || reason_lines(&reasons).join("\n"));
+        Err(error)
+    })
+}
+
+/// The inner result is of what was reported already.
+fn look(arguments: &Arguments, json: bool) -> Result<Result<Outcome>> {
+    let form = arguments.figure.as_deref().map(Form::of).transpose()?;
+    let target = RobotArguments {
+        robot: arguments.robot.clone().unwrap_or_default(),
+        map: arguments.map.clone(),
+        reading: arguments.reading.clone(),
+    };
+    let robot = target.reading.robot(&target.robot)?;
+    let notes = tell_notes(&robot);
+    let (options, given) = arguments.demands.options(&robot)?;
+    let apart = arguments.apart.options(&arguments.reading, &robot)?;
+    let scene: Vec<String> = apart
+        .scene
+        .objects()
         .iter()
-        .filter(|p| p.status == PairStatus::TouchingAtRest)
-    {
+        .map(|o| o.name.clone())
+        .collect();
+    let collision = CollisionModel::new(&robot, &apart);
+    let unlimited = without_velocity_limit(&robot, &options.limits);
+    if !unlimited.is_empty() {
         output::warn(format!(
-            "{} and {} touch when all joints are at 0, or as near to it as their limits allow: a wave that comes by there does not pass; if they touch by design, --leave-out {}:{}",
-            pair.names.0, pair.names.1, pair.names.0, pair.names.1
+            "no velocity limit is known of {}: give one with --max-velocity or --limits",
+            unlimited.join(", ")
         ));
     }
-    let value = json!({
-        "passes": verdict.passes(),
-        "notes": notes,
-        "limits": verdict.limits.iter().map(limit_json).collect::<Vec<_>>(),
-        "collision": verdict.collision.as_ref().map(|c| json!({
-            "proven_clear": c.is_clear(),
-            "clearance_m": [clearance.lower, clearance.at.distance],
-            "pair": [clearance.at.pair.0, clearance.at.pair.1],
-            "time_s": clearance.at.time,
-            "intervals": c.work().intervals,
-        })),
-        "pairs": collision.pairs().iter().map(|p| json!({
-            "links": [p.names.0, p.names.1],
-            "checked": p.is_checked(),
-            "status": p.status.to_string(),
-        })).collect::<Vec<_>>(),
-    });
-    output::report(json, &value, || words(&verdict, &clearance, &collision));
-    Ok(if verdict.passes() {
-        Outcome::Done
-    } else {
-        Outcome::Refused
-    })
-}
-
-fn words(verdict: &Verdict, clearance: &MinimumClearance, collision: &CollisionModel) -> String {
-    let mut text = limit_table(&verdict.limits);
-    let checked = collision.pairs().iter().filter(|p| p.is_checked()).count();
-    let left_out = collision.pairs().len() - checked;
-    let pair = format!("{} and {}", clearance.at.pair.0, clearance.at.pair.1);
-    text.push_str(&match &verdict.collision {
-        None => "\nself-collision: not looked at, a limit is broken".to_owned(),
-        Some(Certification::Clear { work, .. }) => format!(
-            "\nself-collision: proven that none of {checked} pairs touches ({left_out} left out), on {} intervals of time\n\
-             smallest clearance {:.1} mm, {pair} at {:.3} s",
-            work.intervals,
-            1e3 * clearance.at.distance,
-            clearance.at.time
-        ),
-        Some(Certification::Collides { witness, .. }) => format!(
-            "\nself-collision: {} and {} are {:.1} mm apart at {:.3} s\nworst {:.1} mm, {pair} at {:.3} s",
-            witness.pair.0,
-            witness.pair.1,
-            1e3 * witness.distance,
-            witness.time,
-            1e3 * clearance.at.distance,
-            clearance.at.time
-        ),
-        Some(Certification::Undecided { stretches, .. }) => format!(
-            "\nself-collision: undecided on {} stretches, the first {:.3} .. {:.3} s",
-            stretches.len(),
-            stretches[0].from,
-            stretches[0].to
-        ),
-    });
-    text.push_str(if verdict.passes() {
-        "\npasses"
-    } else {
-        "\ndoes not pass"
-    });
-    text
-}
-
-pub(super) fn limit_json(limit: &LimitUse) -> Value {
-    json!({
-        "joint": limit.joint,
-        "quantity": quantity(limit),
-        "unit": unit(limit),
-        "range": [limit.range.lower, limit.range.upper],
-        "limit": [limit.limit.lower, limit.limit.upper],
-        "excess": limit.excess(),
-    })
-}
-
-fn unit(limit: &LimitUse) -> &'static str {
-    let (position, rate, _) = units(limit.kind);
-    match limit.quantity {
-        Derivative::Velocity => rate,
-        _ => position,
+    let shapeless = pairs::without_shapes(&robot);
+    if !shapeless.is_empty() {
+        output::warn(format!(
+            "these links move, have no collision shape, and are kept apart from nothing: {}",
+            shapeless.join(", ")
+        ));
     }
-}
-
-fn quantity(limit: &LimitUse) -> &'static str {
-    match limit.quantity {
-        Derivative::Velocity => "velocity",
-        _ => "position",
+    let mut contacts = None;
+    if let Ok(collision) = &collision {
+        pairs::tell(collision, &scene);
+        contacts = arguments.pairs.contacts(collision, &robot)?;
     }
-}
-
-fn limit_table(limits: &[LimitUse]) -> String {
-    let rows: Vec<Vec<String>> = limits.iter().map(limit_row).collect();
-    output::table(&["joint", "", "wave", "limit", ""], &rows)
-}
-
-fn limit_row(limit: &LimitUse) -> Vec<String> {
-    // Angles of a person are degrees; everything else is SI.
-    let (unit, digits, scale) = match (limit.kind, limit.quantity) {
-        (JointKind::Revolute, Derivative::Position) => ("deg", 1, 1f64.to_degrees()),
-        _ => (unit(limit), 2, 1.0),
+    let gate = Gate {
+        robot: &robot,
+        collision: &collision,
+        options: &options,
+        given: &given,
+        arguments,
+        target: &target,
     };
-    let shown = |x: f64| {
-        let x = scale * x;
-        if x.abs() < 1e6 {
-            format!("{x:.digits$}")
-        } else {
-            format!("{x:.1e}")
+    let motions: Vec<(String, Result<Loaded>)> = arguments
+        .motions
+        .iter()
+        .flat_map(|path| arguments.moves.open(path, &robot, &target))
+        .collect();
+    if arguments.certificate.is_some() && motions.len() != 1 {
+        return Err(Error::new(
+            ErrorKind::Setting,
+            format!("--certificate for {} motions", motions.len()),
+        )
+        .expected("one motion"));
+    }
+    let answers: Vec<Answer> = motions
+        .into_iter()
+        .map(|(name, loaded)| match loaded {
+            Ok(loaded) => gate.answer(name, loaded),
+            Err(error) => Answer::of_error(name, error),
+        })
+        .collect();
+    for warning in answers.iter().flat_map(|a| &a.warnings) {
+        output::warn(warning);
+    }
+    let mut written = Vec::new();
+    if let (Some(path), Some(certificate)) = (
+        &arguments.certificate,
+        answers.first().and_then(|a| a.certificate.as_ref()),
+    ) {
+        output::write(path, certificate.to_json().as_bytes())?;
+        written.push(path.display().to_string());
+    }
+    if let (Some(path), Some(form)) = (&arguments.figure, form)
+        && answers.iter().any(|a| !a.profile.is_empty())
+    {
+        let bytes = form.bytes(figure(&answers, options.margin)?);
+        output::write(path, &bytes)?;
+        written.push(path.display().to_string());
+    }
+    Ok(gate.report(answers, contacts.as_deref(), &notes, &written, json))
+}
+
+impl Gate<'_> {
+    fn answer(&self, name: String, loaded: Loaded) -> Answer {
+        let Loaded {
+            course,
+            warnings,
+            held,
+            evidence,
+        } = loaded;
+        let mut answer = Answer {
+            held,
+            warnings,
+            ..Answer::of_error(name, Error::new(ErrorKind::Infeasible, "not looked at"))
+        };
+        answer.error = match course {
+            Course::Wave(wave) => self.judge(&*wave, evidence, &mut answer),
+            Course::Move(spline) => self.judge(&*spline, evidence, &mut answer),
         }
-    };
-    let range = |i: crate::fourier::Interval| format!("{} .. {}", shown(i.lower), shown(i.upper));
-    vec![
-        limit.joint.clone(),
-        quantity(limit).to_owned(),
-        format!("{} {unit}", range(limit.range)),
-        format!("{} {unit}", range(limit.limit)),
-        if limit.excess() > 0.0 {
-            format!("exceeded by {}", shown(limit.excess()))
-        } else {
-            "ok".to_owned()
-        },
-    ]
+        .err();
+        answer
+    }
+
+    fn judge<M: Motion>(
+        &self,
+        motion: &M,
+        evidence: Vec<crate::collision::Evidence>,
+        answer: &mut Answer,
+    ) -> Result<()> {
+        answer.limits = limits_with(self.robot, motion, &self.options.limits)?;
+        let collision = self.collision.as_ref().map_err(Clone::clone)?;
+        let mut prover = collision.prover();
+        let mut verdict = Verdict::with(self.robot, &mut prover, motion, self.options)?;
+        if self.arguments.certificate.is_some() && verdict.passes() {
+            let mut rests_on = self.target.reading.evidence(&self.target.robot)?;
+            rests_on.extend(evidence);
+            let sources = answer.limits.iter().map(|l| limit_source(l, self.given));
+            let (certification, certificate) = prover.certificate(
+                self.robot,
+                motion,
+                self.options.margin,
+                &self.options.tolerance,
+                rests_on,
+                sources.collect(),
+            )?;
+            // A proof that is kept has a little to spare, so it may not be had where a bare one was.
+            verdict.collision = Some(certification);
+            answer.certificate = certificate;
+        }
+        if self.arguments.figure.is_some() {
+            answer.profile = collision.clearance_profile(motion, COLUMNS, DRAWN)?;
+        }
+        answer.verdict = Some(verdict);
+        Ok(())
+    }
+
+    /// Says it all, and returns what the program comes to.
+    fn report(
+        &self,
+        answers: Vec<Answer>,
+        contacts: Option<&[PairContacts]>,
+        notes: &[String],
+        written: &[String],
+        json: bool,
+    ) -> Result<Outcome> {
+        let passes = answers.iter().all(|a| a.reasons().is_empty());
+        let entries: Vec<Value> = answers.iter().map(|a| self.entry(a)).collect();
+        // Of one motion all is in one place; of several, what they share is around them.
+        let mut value = match entries.as_slice() {
+            [one] => one.clone(),
+            _ => {
+                let mut reasons: Vec<Reason> = answers.iter().flat_map(Answer::reasons).collect();
+                reasons.sort_unstable();
+                reasons.dedup();
+                json!({"passes": passes, "reasons": codes(&reasons), "motions": entries})
+            }
+        };
+        value["robot"] = json!(self.robot.name());
+        value["notes"] = json!(notes);
+        value["pairs"] = match self.collision {
+            Ok(collision) => self.arguments.pairs.json(collision, contacts),
+            Err(_) => Value::Null,
+        };
+        value["written"] = json!(written);
+        output::report(json, &value, || {
+            let mut blocks = Vec::new();
+            if let Some(contacts) = contacts {
+                blocks.push(self.arguments.pairs.table(contacts));
+            }
+            blocks.extend(answers.iter().map(|a| self.words(a, answers.len() > 1)));
+            if !written.is_empty() {
+                blocks.push(format!("wrote {}", written.join(", ")));
+            }
+            blocks.join("\n\n")
+        });
+        let mut errors: Vec<Error> = answers.into_iter().filter_map(|a| a.error).collect();
+        let last = errors.pop();
+        errors.iter().for_each(output::failure);
+        match last {
+            Some(error) => Err(error),
+            None if passes => Ok(Outcome::Done),
+            None => Ok(Outcome::Refused),
+        }
+    }
+
+    fn entry(&self, answer: &Answer) -> Value {
+        let reasons = answer.reasons();
+        json!({
+            "motion": answer.name,
+            "passes": reasons.is_empty(),
+            "reasons": codes(&reasons),
+            "warnings": answer.warnings,
+            "held": answer.held.iter().map(|(j, p)| (j.clone(), json!(p))).collect::<serde_json::Map<_, _>>(),
+            "limits": answer.limits.iter().map(limit_json).collect::<Vec<_>>(),
+            "collision": answer.verdict.as_ref().map(|v| collision_json(v, self.options, self.robot.joints())),
+            "error": answer.error.as_ref().map(ToString::to_string),
+        })
+    }
+
+    fn words(&self, answer: &Answer, is_named: bool) -> String {
+        let mut lines = Vec::new();
+        if is_named {
+            lines.push(answer.name.clone());
+        }
+        if !answer.held.is_empty() {
+            let held: Vec<String> = answer
+                .held
+                .iter()
+                .map(|(joint, position)| format!("{joint} at {position}"))
+                .collect();
+            lines.push(format!("joints that stand still: {}", held.join(", ")));
+        }
+        if !answer.limits.is_empty() {
+            lines.push(limit_table(&answer.limits));
+        }
+        if let (Some(verdict), Ok(collision)) = (&answer.verdict, self.collision) {
+            let pairs = collision.pairs();
+            let checked = pairs.iter().filter(|p| p.is_checked()).count();
+            lines.extend(collision_words(
+                verdict,
+                self.options,
+                checked,
+                pairs.len() - checked,
+            ));
+        }
+        let reasons = answer.reasons();
+        lines.extend(reason_lines(&reasons));
+        if self.arguments.certificate.is_some() && answer.certificate.is_none() {
+            lines.push("no certificate is written".to_owned());
+        }
+        lines.push(
+            match reasons.is_empty() {
+                true => "passes",
+                false => "does not pass",
+            }
+            .to_owned(),
+        );
+        lines.join("\n")
+    }
+}
+
+fn reason_lines(reasons: &[Reason]) -> Vec<String> {
+    reasons.iter().map(|r| format!("reason: {r}")).collect()
+}
+
+fn figure(answers: &[Answer], margin: f64) -> Result<crate::figure::Picture> {
+    let drawn: Vec<&Answer> = answers.iter().filter(|a| !a.profile.is_empty()).collect();
+    let courses: Vec<ClearanceCourse<'_>> = drawn
+        .iter()
+        .map(|answer| ClearanceCourse {
+            title: if answers.len() > 1 { &answer.name } else { "" },
+            profile: &answer.profile,
+            margin,
+            undecided: match answer.verdict.as_ref().and_then(|v| v.collision.as_ref()) {
+                Some(Certification::Undecided { stretches, .. }) => stretches,
+                _ => &[],
+            },
+        })
+        .collect();
+    let size = (PANEL.0, PANEL.1.saturating_mul(courses.len() as u32));
+    clearance(&courses, 1, size)
 }

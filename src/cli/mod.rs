@@ -5,18 +5,25 @@ mod check;
 mod compare_estimators;
 mod compare_periods;
 mod condition;
+mod demands;
 mod describe;
 mod learn;
 mod learn_cycle;
 mod map;
+mod moves;
 mod output;
+mod pairs;
+mod parallel;
 mod recordings;
 mod reproduce;
 mod robot;
 mod sample;
+mod screen;
 mod simulate;
 mod source;
 mod trajectory;
+mod verdict;
+mod verify;
 mod wishes;
 
 use std::path::Path;
@@ -43,7 +50,7 @@ use crate::primitive::FourierMovementPrimitive;
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
-    /// Print one JSON object instead of words.
+    /// Print one JSON object instead of words (`screen`: one a line).
     #[arg(long, global = true)]
     json: bool,
 }
@@ -58,6 +65,8 @@ enum Verb {
     Sample(sample::Arguments),
     Trajectory(trajectory::Arguments),
     Check(check::Arguments),
+    Verify(verify::Arguments),
+    Screen(screen::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
     Robot(describe::Arguments),
@@ -82,6 +91,8 @@ pub fn main() -> ExitCode {
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
+        Verb::Verify(arguments) => verify::run(arguments, cli.json),
+        Verb::Screen(arguments) => screen::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
@@ -114,7 +125,11 @@ fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
 }
 
 fn read_wave(path: &Path) -> Result<Wave> {
-    Wave::from_json(&read_text(path)?).map_err(|e| {
+    read_wave_text(path, &read_text(path)?)
+}
+
+fn read_wave_text(path: &Path, text: &str) -> Result<Wave> {
+    Wave::from_json(text).map_err(|e| {
         e.help("`undulate sample` draws wave files from a model")
             .at(path.display().to_string())
     })

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{output, read_text};
-use crate::collision::{CollisionOptions, Scene};
+use crate::collision::{CollisionOptions, Evidence, Scene};
 use crate::error::{Error, ErrorKind, Result, listed};
 use crate::fourier::Joints;
 use crate::geometry::Decomposition;
@@ -97,6 +97,22 @@ impl Reading {
         Ok(Some(srdf))
     }
 
+    /// What a certificate rests on of all this: the URDF `robot`, or that of the shipped robot of this name, SRDF and scene.
+    pub fn evidence(&self, robot: &str) -> Result<Vec<Evidence>> {
+        let path = Path::new(robot);
+        let urdf = match shipped::robot_text(robot) {
+            Some(text) if !is_file(path) => Evidence::new("urdf", robot, text.as_bytes()),
+            _ => evidence("urdf", path)?,
+        };
+        let mut all = vec![urdf];
+        for (what, path) in [("srdf", &self.srdf), ("scene", &self.scene)] {
+            if let Some(path) = path {
+                all.push(evidence(what, path)?);
+            }
+        }
+        Ok(all)
+    }
+
     /// What is kept apart: the SRDF's word on it, and the scene.
     pub fn collision(&self, robot: &Robot) -> Result<CollisionOptions> {
         let srdf = self.srdf(robot)?;
@@ -107,6 +123,18 @@ impl Reading {
             ..CollisionOptions::default()
         })
     }
+}
+
+/// What a certificate rests on of a file. It is read once more for that, so it must be one that stays.
+fn evidence(what: &str, path: &Path) -> Result<Evidence> {
+    let name = path.display().to_string();
+    if !path.is_file() {
+        return Err(Error::new(ErrorKind::Unsupported, "no regular file")
+            .expected("a file that can be read again when the certificate is verified")
+            .at(name));
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    Ok(Evidence::new(what, &name, &bytes))
 }
 
 /// Whether a URDF may be read there: a pipe will do too.
@@ -128,19 +156,38 @@ pub(super) struct RobotArguments {
 
 /// The map for waves of `learned` joints on a robot.
 pub(super) fn joint_map(name: Option<&str>, robot: &str, learned: &Joints) -> Result<JointMap> {
+    Ok(joint_map_of(name, robot, learned)?.0)
+}
+
+/// The map, and what it came from; from nothing where names are equal.
+fn joint_map_of(
+    name: Option<&str>,
+    robot: &str,
+    learned: &Joints,
+) -> Result<(JointMap, Option<Evidence>)> {
+    let of_shipped = |name: &str| {
+        let text = shipped::map_text(name);
+        text.map(|text| Evidence::new("joint map", name, text.as_bytes()))
+    };
     let Some(name) = name else {
         let found = if is_file(Path::new(robot)) {
             None
         } else {
             shipped::map_for(robot, learned)?
         };
-        return Ok(found.map_or_else(JointMap::default, |(_, map)| map));
+        return Ok(found.map_or_else(
+            || (JointMap::default(), None),
+            |(name, map)| (map, of_shipped(name)),
+        ));
     };
     let path = PathBuf::from(name);
     if path.is_file() {
-        return JointMap::from_toml(&read_text(&path)?).map_err(|e| e.at(name));
+        let text = read_text(&path)?;
+        let map = JointMap::from_toml(&text).map_err(|e| e.at(name))?;
+        return Ok((map, Some(Evidence::new("joint map", name, text.as_bytes()))));
     }
-    shipped::map(name).map_err(|e| match e.kind() {
+    let found = shipped::map(name).map(|map| (map, of_shipped(name)));
+    found.map_err(|e| match e.kind() {
         ErrorKind::Name => Error::new(ErrorKind::Name, format!("no joint map `{name}`"))
             .expected(format!(
                 "a TOML file, or a shipped map: {}",
@@ -152,6 +199,11 @@ pub(super) fn joint_map(name: Option<&str>, robot: &str, learned: &Joints) -> Re
 }
 
 impl RobotArguments {
+    /// The map for waves of `learned` joints, and what it came from.
+    pub fn map(&self, learned: &Joints) -> Result<(JointMap, Option<Evidence>)> {
+        joint_map_of(self.map.as_deref(), &self.robot, learned)
+    }
+
     /// The robot, and the map for waves of `learned` joints on it.
     pub fn load(&self, learned: &Joints) -> Result<(Robot, JointMap)> {
         Ok((

@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "duration_s": rollout.times.last(),
         "joints": rollout_json(&rollout),
         "first_contact": contact.as_ref().map(|(time, (a, b))| json!({"time_s": time, "pair": [a, b]})),
-        "limits_exceeded": limits.iter().filter(|l| l.excess() > 0.0).map(super::check::limit_json).collect::<Vec<_>>(),
+        "limits_exceeded": limits.iter().filter(|l| l.excess() > 0.0).map(super::verdict::limit_json).collect::<Vec<_>>(),
         "rollout": arguments.output,
     });
     output::report(json, &value, || {

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::wishes::Wishes;
 use super::{Outcome, output, read_model};
 use crate::error::{Error, ErrorKind, Result};
-use crate::figure::bands;
+use crate::figure::{Picture, bands};
 use crate::fourier::Derivative;
 use crate::primitive::{FourierMovementPrimitive, StartSpread, TrajectoryMoments, stream};
 
@@ -243,13 +243,13 @@ fn covariance(
 
 /// How a figure is written.
 #[derive(Clone, Copy)]
-enum Form {
+pub(super) enum Form {
     Svg,
     Png,
 }
 
 impl Form {
-    fn of(path: &Path) -> Result<Self> {
+    pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()) {
             Some("svg") => Ok(Self::Svg),
             Some("png") => Ok(Self::Png),
@@ -257,6 +257,13 @@ impl Form {
                 Error::new(ErrorKind::Setting, format!("--figure {}", path.display()))
                     .expected("a name that ends in .svg or .png"),
             ),
+        }
+    }
+
+    pub fn bytes(self, picture: Picture) -> Vec<u8> {
+        match self {
+            Self::Svg => picture.svg.into_bytes(),
+            Self::Png => picture.png,
         }
     }
 }
@@ -285,8 +292,5 @@ fn figure(
     let rows = joints.len().div_ceil(columns);
     let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32);
     let picture = bands(moments, &draws, derivative, &joints, columns, size)?;
-    Ok(match form {
-        Form::Svg => picture.svg.into_bytes(),
-        Form::Png => picture.png,
-    })
+    Ok(form.bytes(picture))
 }

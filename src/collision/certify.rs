@@ -16,6 +16,8 @@ pub struct Moment {
     pub time: f64,
     /// The distance, or a bound on it \[m\]; negative when they overlap, then minus the depth. Less what padding the pair has.
     pub distance: f64,
+    /// The padding of the pair \[m\]: what is really between the two is `distance + padding`.
+    pub padding: f64,
 }
 
 /// What could be said of a whole motion.
@@ -231,12 +233,7 @@ impl Prover<'_> {
         accuracy: f64,
     ) -> Result<MinimumClearance> {
         self.model.require(motion.joints())?;
-        if !(accuracy >= FINEST && accuracy.is_finite()) {
-            return Err(
-                Error::new(ErrorKind::Setting, format!("an accuracy of {accuracy} m"))
-                    .expected(format!("{FINEST:e} or more")),
-            );
-        }
+        require_accuracy(accuracy)?;
         self.tolerance.fill(0.0);
         let found = self
             .search
@@ -258,9 +255,19 @@ const SPARE: f64 = 1e-7;
 /// Distances are known no better \[m\].
 const FINEST: f64 = 1e-9;
 
+pub(super) fn require_accuracy(accuracy: f64) -> Result<()> {
+    if accuracy >= FINEST && accuracy.is_finite() {
+        return Ok(());
+    }
+    Err(
+        Error::new(ErrorKind::Setting, format!("an accuracy of {accuracy} m"))
+            .expected(format!("{FINEST:e} or more")),
+    )
+}
+
 impl CollisionModel {
     /// With names; where there is a motion, with the distance of the pair at that time.
-    fn moment<M: Motion>(&self, at: &At, motion: Option<&M>) -> Moment {
+    pub(super) fn moment<M: Motion>(&self, at: &At, motion: Option<&M>) -> Moment {
         let distance = motion.map_or(at.distance, |motion| {
             let mut state = crate::fourier::State::zeros(self.joints().len());
             motion.state_into(at.time, &mut state);
@@ -273,6 +280,7 @@ impl CollisionModel {
             is_with_scene: self.pairs[at.pair].parts.0 < self.scene,
             time: at.time,
             distance,
+            padding: self.pairs[at.pair].padding,
         }
     }
 

@@ -70,14 +70,10 @@ impl<'m> Checker<'m> {
             .find(|pair| self.is_touching(*pair))
     }
 
-    /// All checked pairs that touch at configuration `q`.
+    /// All pairs that touch at configuration `q`, checked or not.
     pub(super) fn touching(&mut self, q: &[f64]) -> Vec<usize> {
         self.place(q);
-        let model = self.model;
-        model
-            .checked
-            .iter()
-            .copied()
+        (0..self.model.pairs.len())
             .filter(|pair| self.is_touching(*pair))
             .collect()
     }

@@ -11,6 +11,7 @@ mod filter;
 mod frames;
 mod pairs;
 mod part;
+mod profile;
 mod scene;
 mod search;
 mod verify;
@@ -20,13 +21,14 @@ pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
 pub use configuration::{Checker, Clearance};
 pub use contacts::PairContacts;
 pub use pairs::{Pair, PairStatus};
+pub use profile::ProfileInterval;
 pub use scene::{Scene, SceneObject, SceneShape};
 pub use search::Work;
 pub use verify::Verified;
 
 use nalgebra::Isometry3;
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::Joints;
 use crate::geometry::Solid;
 use crate::robot::Robot;
@@ -89,7 +91,9 @@ impl CollisionModel {
     /// nothing to check: what is not known is not called free.
     pub fn new(robot: &Robot, options: &CollisionOptions) -> Result<Self> {
         let here = |e: Error| e.at(format!("robot `{}`", robot.name()));
-        robot.require_collision()?;
+        robot
+            .require_collision()
+            .map_err(|e| e.because(Reason::NoCollisionGeometry))?;
         let frames = Frames::new(robot);
         let mut parts = options
             .scene
@@ -126,6 +130,7 @@ impl CollisionModel {
                     ErrorKind::Infeasible,
                     "too few links have collision shapes for any to touch",
                 )
+                .because(Reason::NoCollisionGeometry)
                 .help("add <collision> elements to the URDF"),
             ));
         }
@@ -173,8 +178,7 @@ impl CollisionModel {
             }
             model.checked = model.those_checked();
         }
-        let touching = model.checker().touching(&robot.rest());
-        for pair in touching {
+        for pair in model.checker().touching(&robot.rest()) {
             match &mut model.pairs[pair].status {
                 status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
                 PairStatus::Rigid { touching } => *touching = true,
@@ -226,6 +230,7 @@ impl CollisionModel {
                 ErrorKind::Infeasible,
                 "no pair of links is checked: those with collision shapes are neighbours or left out",
             )
+            .because(Reason::NoCollisionGeometry)
             .help("add collision shapes to the URDF, or leave out fewer pairs")
             .at(format!("robot `{}`", self.robot)));
         }

@@ -124,6 +124,23 @@ impl<'m> Search<'m> {
         let mut tube = motion.tube();
         self.pieces.clear();
         tube.pieces(&mut self.pieces);
+        self.start(&mut tube, goal, tolerance, keep)
+    }
+
+    /// [`run`](Self::run) over one interval of a motion alone: its middle and half width \[s\].
+    pub fn run_within<T: Tube>(
+        &mut self,
+        tube: &mut T,
+        piece: (f64, f64),
+        goal: Goal,
+        tolerance: &[f64],
+    ) -> Found {
+        self.pieces.clear();
+        self.pieces.push(piece);
+        self.start(tube, goal, tolerance, false)
+    }
+
+    fn start<T: Tube>(&mut self, tube: &mut T, goal: Goal, tolerance: &[f64], keep: bool) -> Found {
         // So that a search gives the same whatever was searched before.
         self.warm.fill(Warm::default());
         self.nodes.clear();
@@ -142,7 +159,7 @@ impl<'m> Search<'m> {
                 lower: f64::NEG_INFINITY,
             });
         }
-        dispatch!(Level::new(), simd => self.search(simd, &mut tube, tolerance, &mut found));
+        dispatch!(Level::new(), simd => self.search(simd, tube, tolerance, &mut found));
         found
     }
 

@@ -1,4 +1,4 @@
-//! What stands between a motion and its execution: limits of the joints, and self-collision.
+//! What stands between a motion and its execution: limits of the joints, and collision with itself and its surroundings.
 
 mod given;
 mod limits;
@@ -6,18 +6,33 @@ mod limits;
 pub use given::{JointLimit, JointLimits};
 pub use limits::{LimitSource, LimitUse, limits, limits_with, without_velocity_limit};
 
-use crate::collision::{Certification, CollisionModel};
+use crate::collision::{Certification, CollisionModel, MinimumClearance, Prover};
 use crate::error::{Reason, Result};
 use crate::motion::Motion;
 use crate::robot::Robot;
 
-/// What is known of a wave on a robot before it is executed.
+/// What is asked of a motion besides the limits that the robot gives.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CheckOptions {
+    /// Limits of the caller's.
+    pub limits: JointLimits,
+    /// Every checked pair must stay farther apart than this \[m\].
+    pub margin: f64,
+    /// While each joint is within its entry of the motion \[rad, m\]; no entries: exactly on it.
+    pub tolerance: Vec<f64>,
+    /// Looks for the smallest clearance of the motion, to this accuracy \[m\].
+    pub accuracy: Option<f64>,
+}
+
+/// What is known of a motion on a robot before it is executed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// Every limit and its use.
     pub limits: Vec<LimitUse>,
-    /// Whether it keeps clear of itself and of the scene; not looked at when a limit is broken.
+    /// Whether it keeps clear of itself and of the scene; `None` when that was not looked at.
     pub collision: Option<Certification>,
+    /// Where it comes nearest to touching, if that was asked for.
+    pub clearance: Option<MinimumClearance>,
 }
 
 impl Verdict {
@@ -39,7 +54,31 @@ impl Verdict {
         } else {
             None
         };
-        Ok(Self { limits, collision })
+        Ok(Self {
+            limits,
+            collision,
+            clearance: None,
+        })
+    }
+
+    /// Puts a motion through all that `options` ask for, whether or not an earlier part of it is broken.
+    ///
+    /// # Errors
+    /// Those of [`limits_with`], [`Prover::certify`] and [`Prover::minimum_clearance`].
+    pub fn with<M: Motion>(
+        robot: &Robot,
+        prover: &mut Prover<'_>,
+        motion: &M,
+        options: &CheckOptions,
+    ) -> Result<Self> {
+        Ok(Self {
+            limits: limits_with(robot, motion, &options.limits)?,
+            collision: Some(prover.certify(motion, options.margin, &options.tolerance)?),
+            clearance: options
+                .accuracy
+                .map(|accuracy| prover.minimum_clearance(motion, accuracy))
+                .transpose()?,
+        })
     }
 
     /// The limits that are broken.
@@ -47,16 +86,24 @@ impl Verdict {
         self.limits.iter().filter(|l| l.excess() > 0.0)
     }
 
-    /// Why it does not pass, each reason once, in the order of [`Reason::ALL`]; none when it passes.
+    /// Why it does not pass, each reason once, in the order of [`Reason::ALL`]; none when it passes. Of collisions it is the
+    /// worst that is known.
     pub fn reasons(&self) -> Vec<Reason> {
         let mut reasons: Vec<Reason> = self.limits.iter().filter_map(LimitUse::reason).collect();
         match &self.collision {
             Some(Certification::Clear { .. }) => {}
-            Some(Certification::Collides { witness, .. }) => reasons.push(match witness {
-                near if near.distance > 0.0 => Reason::Clearance,
-                near if near.is_with_scene => Reason::SceneCollision,
-                _ => Reason::SelfCollision,
-            }),
+            Some(Certification::Collides { witness, .. }) => {
+                let nearest = self.clearance.as_ref().map(|c| &c.at);
+                let worst = nearest
+                    .filter(|at| at.distance < witness.distance)
+                    .unwrap_or(witness);
+                reasons.push(match worst {
+                    // Distances are less the padding, within which nothing meets yet.
+                    near if near.distance + near.padding > 0.0 => Reason::Clearance,
+                    near if near.is_with_scene => Reason::SceneCollision,
+                    _ => Reason::SelfCollision,
+                });
+            }
             Some(Certification::Undecided { .. }) => reasons.push(Reason::Undecided),
             // Not looked at: by itself that is no answer.
             None if reasons.is_empty() => reasons.push(Reason::Undecided),

@@ -14,6 +14,8 @@ mod waves;
 #[cfg(feature = "robot")]
 mod camera;
 #[cfg(feature = "robot")]
+mod clearance;
+#[cfg(feature = "robot")]
 mod ground;
 #[cfg(feature = "robot")]
 mod layer;
@@ -27,6 +29,8 @@ mod robot_view;
 mod tube;
 
 pub use bands::bands;
+#[cfg(feature = "robot")]
+pub use clearance::{ClearanceCourse, clearance};
 pub use image::{Color, Image, MAX_PIXELS, MAX_SIDE};
 pub use plot::{Mark, Picture, Plot, Series, draw};
 #[cfg(feature = "robot")]

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use serde::Deserialize;
 
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::{Joints, Wave};
 use crate::robot::Robot;
 use crate::units::parse_angle;
@@ -151,14 +151,13 @@ impl JointMap {
         // What the map says is looked at before what it lacks.
         for (joint, source) in &self.0 {
             let here = |e: Error| e.at(format!("joint map, robot joint `{joint}`"));
-            robot
-                .joints()
-                .index(joint)
-                .map_err(|e| here(e).at(format!("robot `{}`", robot.name())))?;
+            robot.joints().index(joint).map_err(|e| {
+                here(e.because(Reason::UnknownJoint)).at(format!("robot `{}`", robot.name()))
+            })?;
             if let Source::Learned { joint: from, .. } = source {
                 learned.index(from).map_err(|e| {
                     here(
-                        e.help(
+                        e.because(Reason::UnknownJoint).help(
                             "correct `from` in the joint map, or hold the joint with `constant`",
                         ),
                     )
@@ -175,6 +174,7 @@ impl JointMap {
                 }
                 None => learned.index(joint).map(|source| Row { source: Some(source), gain: 1.0, offset: 0.0 }).map_err(|_| {
                     Error::new(ErrorKind::Name, "nothing moves it")
+                        .because(Reason::MissingJoint)
                         .expected(format!("an entry in the joint map, or a learned joint of this name among {}", learned.listed()))
                         .help("`undulate map --init` writes a map to start from")
                         .at(format!("joint `{joint}`"))

@@ -134,7 +134,7 @@ fn report(
                 "draws": case.draws,
                 "clearance_m": case.clearance.lower,
                 "nearest_pair": [&case.clearance.at.pair.0, &case.clearance.at.pair.1],
-                "limits": case.verdict.limits.iter().map(super::check::limit_json).collect::<Vec<_>>(),
+                "limits": case.verdict.limits.iter().map(super::verdict::limit_json).collect::<Vec<_>>(),
                 "rollout": rollout_json(&case.rollout),
             }))
         })
