@@ -86,11 +86,6 @@ fn certificate(c: &mut Criterion) {
         .collect();
     intervals.sort_unstable();
     println!("intervals and distances of the waves: {intervals:?}");
-    for number in 0..20 {
-        let wave = waves::random_wave(&robot, HARMONICS, PERIOD, 0.6, &mut stream(4, number));
-        let found = prover.minimum_clearance(&wave, 1e-4).unwrap();
-        println!("{:?} {:?} {:?}", found.lower, found.at, found.work);
-    }
     let mut next = (0..waves.len()).cycle();
     c.bench_function("certificate", |b| {
         b.iter(|| {

@@ -1,6 +1,6 @@
 //! Contact and distance at one configuration.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::CollisionModel;
 use super::part::PartGeometry;
@@ -24,6 +24,8 @@ pub struct Clearance {
 pub struct Checker<'m> {
     model: &'m CollisionModel,
     placed: Vec<Placement>,
+    /// Of each part, the middle of the ball around it.
+    centers: Vec<Vector3<f64>>,
     warm: Vec<Warm>,
     /// Of each checked pair, how far the balls around its parts are apart, and the pair.
     order: Vec<(f64, usize)>,
@@ -35,6 +37,7 @@ impl CollisionModel {
         Checker {
             model: self,
             placed: vec![Placement::identity(); self.frames.bodies()],
+            centers: vec![Vector3::zeros(); self.parts.len()],
             warm: vec![Warm::default(); self.convex_pairs()],
             order: Vec::with_capacity(self.checked.len()),
         }
@@ -116,25 +119,24 @@ impl<'m> Checker<'m> {
     fn place(&mut self, q: &[f64]) {
         assert_eq!(q.len(), self.model.joints().len(), "one position a joint");
         self.model.frames.place(q, &mut self.placed);
+        for (center, part) in self.centers.iter_mut().zip(&self.model.parts) {
+            if let PartGeometry::Convexes { ball, .. } = &part.geometry {
+                *center = self.placed[part.body].point(&ball.center);
+            }
+        }
     }
 
     /// A lower bound on the distance of a pair.
     fn ball_gap(&self, pair: usize) -> f64 {
         let model = self.model;
         let pair = &model.pairs[pair];
-        let (a, b) = (&model.parts[pair.parts.0], &model.parts[pair.parts.1]);
-        let gap = match (&a.geometry, &b.geometry) {
+        let (a, b) = pair.parts;
+        let gap = match (&model.parts[a].geometry, &model.parts[b].geometry) {
             (PartGeometry::Convexes { ball, .. }, PartGeometry::Convexes { ball: other, .. }) => {
-                let between = self.placed[a.body].point(&ball.center)
-                    - self.placed[b.body].point(&other.center);
-                between.norm() - ball.radius - other.radius
+                (self.centers[a] - self.centers[b]).norm() - ball.radius - other.radius
             }
             (PartGeometry::HalfSpace(half_space), PartGeometry::Convexes { ball, .. }) => {
-                half_space
-                    .normal()
-                    .dot(&self.placed[b.body].point(&ball.center))
-                    - half_space.offset()
-                    - ball.radius
+                half_space.normal().dot(&self.centers[b]) - half_space.offset() - ball.radius
             }
             _ => f64::NEG_INFINITY,
         };

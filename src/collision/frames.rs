@@ -122,7 +122,7 @@ impl Frames {
             let mut translation = parent.translation + parent.rotation * joint.translation;
             match joint.kind {
                 JointKind::Revolute => {
-                    let (sin, cos) = sin_cos(position);
+                    let (sin, cos) = libm::sincos(position);
                     let (x, y) = (
                         rotation.column(0).into_owned(),
                         rotation.column(1).into_owned(),

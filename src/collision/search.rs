@@ -151,6 +151,9 @@ impl<'m> Search<'m> {
             return found;
         }
         self.open.extend_from_slice(all);
+        if matches!(goal, Goal::Least(_)) {
+            scatter(&mut self.pieces);
+        }
         for (middle, half) in self.pieces.iter().rev() {
             self.nodes.push(Node {
                 middle: *middle,
@@ -280,7 +283,6 @@ impl<'m> Search<'m> {
         // Lower bounds over the interval, upper ones in its middle. A tree that is kept holds what falls by the sum over joints alone.
         let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
         let is_plain = found.leaves.is_some();
-        let bends = (!is_plain).then(|| self.four.bends(model, at.pair, lane, half));
         match &a.geometry {
             PartGeometry::HalfSpace(half_space) => {
                 for convex in convexes {
@@ -319,9 +321,10 @@ impl<'m> Search<'m> {
                     }
                     let mut least = below - fall;
                     if below <= needed
-                        && let Some(bends) = &bends
+                        && !is_plain
                         && let Some(direction) = warm.direction(placed_a.placement)
                     {
+                        let bends = self.four.bends(model, at.pair, lane, half);
                         least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
                     }
                     lower = lower.min(least);
@@ -388,6 +391,14 @@ impl<'m> Search<'m> {
         }
         self.left[lane].clear();
     }
+}
+
+/// Every eighth piece first, then those between: what is near to the least distance is found soon, and all else is measured against it.
+fn scatter(pieces: &mut Vec<(f64, f64)>) {
+    const STRIDE: usize = 8;
+    let scattered =
+        (0..STRIDE).flat_map(|start| pieces.iter().copied().skip(start).step_by(STRIDE));
+    *pieces = scattered.collect();
 }
 
 /// What became of a pair on an interval.

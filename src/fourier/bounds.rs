@@ -100,6 +100,21 @@ impl Wave {
         sum * (1.0 + self.slack())
     }
 
+    /// [`harmonic_sum`](Self::harmonic_sum) for n = 0 to 3.
+    pub(crate) fn harmonic_sums(&self, joint: usize) -> [f64; 4] {
+        let w = self.angular_frequency();
+        let mut sums = [0.0; 4];
+        for (k, weight) in self.weights().row(joint).iter().enumerate() {
+            let kw = (k + 1) as f64 * w;
+            let mut term = 2.0 * libm::sqrt(weight.re * weight.re + weight.im * weight.im);
+            for sum in &mut sums {
+                *sum += term;
+                term *= kw;
+            }
+        }
+        sums.map(|sum| sum * (1.0 + self.slack()))
+    }
+
     /// What evaluation may lose, as a share of the harmonic sums.
     pub(crate) fn slack(&self) -> f64 {
         ROUNDING * (self.harmonics() + 1) as f64

@@ -7,7 +7,7 @@ use crate::elementary::sin_cos;
 use crate::fourier::{Derivative, Extremes, Joints, State, Wave};
 
 /// Pieces of the period for each harmonic to start from: at the highest, Taylor's remainders are of use from the start.
-const PIECES: f64 = 2.4;
+const PIECES: f64 = 1.8;
 
 impl Motion for Wave {
     type Tube<'a> = WaveTube<'a>;
@@ -61,11 +61,14 @@ struct Bounds {
 
 impl<'a> WaveTube<'a> {
     fn new(wave: &'a Wave) -> Self {
-        let rows = wave.weights().row_iter();
+        let mut terms = Vec::with_capacity(wave.weights().len());
+        for row in wave.weights().row_iter() {
+            terms.extend(row.iter().map(|w| [2.0 * w.re, -2.0 * w.im]));
+        }
         let slack = wave.slack();
         let bounds = (0..wave.joints().len())
             .map(|joint| {
-                let sums: [f64; 4] = std::array::from_fn(|i| wave.harmonic_sum(joint, i as i32));
+                let sums = wave.harmonic_sums(joint);
                 let offset = wave.offsets()[joint];
                 Bounds {
                     offset,
@@ -80,13 +83,7 @@ impl<'a> WaveTube<'a> {
             .collect();
         Self {
             wave,
-            terms: rows
-                .flat_map(|row| {
-                    row.iter()
-                        .map(|w| [2.0 * w.re, -2.0 * w.im])
-                        .collect::<Vec<_>>()
-                })
-                .collect(),
+            terms,
             bounds,
             turns: vec![[[0.0; LANES]; 2]; wave.harmonics()],
         }
