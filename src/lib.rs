@@ -155,13 +155,13 @@ pub use fourier::{
 #[cfg(feature = "robot")]
 pub use geometry::{
     Ball, BoundingCapsule, Convex, Decomposition, Enclosure, HalfSpace, Hull, Mesh, Placed,
-    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, separation,
-    signed_distance,
+    Placement, Separation, Shape, SignedDistance, Solid, Warm, intersects, rough_separation,
+    separation, signed_distance,
 };
 #[cfg(feature = "robot")]
 pub use motion::{
     Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
-    WaveTube, Waypoint, Waypoints,
+    TubeRows, WaveTube, Waypoint, Waypoints,
 };
 pub use posterior::Diagnostics;
 pub use primitive::{
@@ -177,8 +177,8 @@ pub use retarget::{JointMap, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
-    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf,
-    Twist,
+    JointKind, JointProperties, Kinematics, Link, LoadOptions, MeshConvex, MeshEnclosure,
+    MeshFiles, Robot, Srdf, Twist,
 };
 #[cfg(feature = "simulation")]
 pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};

@@ -3,13 +3,77 @@
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Joints;
 use crate::retarget::{JointMap, Source};
-use crate::robot::Robot;
+use crate::robot::{LoadOptions, MeshFiles, Robot};
 
 /// Name and URDF of each shipped robot.
-const ROBOTS: [(&str, &str); 1] = [("wave_arm", include_str!("../robots/wave_arm.urdf"))];
+const ROBOTS: [(&str, &str); 4] = [
+    ("wave_arm", include_str!("../robots/wave_arm.urdf")),
+    (
+        "wave_arm_left",
+        include_str!("../robots/wave_arm_left.urdf"),
+    ),
+    ("table_arm", include_str!("../robots/table_arm.urdf")),
+    ("column_arm", include_str!("../robots/column_arm.urdf")),
+];
+
+/// Path, as their URDF has it, and content of the meshes of shipped robots.
+const MESHES: [(&str, &[u8]); 13] = [
+    (
+        "table_arm/base.obj",
+        include_bytes!("../robots/table_arm/base.obj"),
+    ),
+    (
+        "table_arm/turret.obj",
+        include_bytes!("../robots/table_arm/turret.obj"),
+    ),
+    (
+        "table_arm/shoulder.obj",
+        include_bytes!("../robots/table_arm/shoulder.obj"),
+    ),
+    (
+        "table_arm/upper_arm.obj",
+        include_bytes!("../robots/table_arm/upper_arm.obj"),
+    ),
+    (
+        "table_arm/elbow.obj",
+        include_bytes!("../robots/table_arm/elbow.obj"),
+    ),
+    (
+        "table_arm/forearm.obj",
+        include_bytes!("../robots/table_arm/forearm.obj"),
+    ),
+    (
+        "table_arm/wrist.obj",
+        include_bytes!("../robots/table_arm/wrist.obj"),
+    ),
+    (
+        "table_arm/cheek.obj",
+        include_bytes!("../robots/table_arm/cheek.obj"),
+    ),
+    (
+        "table_arm/knuckle.obj",
+        include_bytes!("../robots/table_arm/knuckle.obj"),
+    ),
+    (
+        "table_arm/neck.obj",
+        include_bytes!("../robots/table_arm/neck.obj"),
+    ),
+    (
+        "table_arm/flange.obj",
+        include_bytes!("../robots/table_arm/flange.obj"),
+    ),
+    (
+        "table_arm/hand.obj",
+        include_bytes!("../robots/table_arm/hand.obj"),
+    ),
+    (
+        "table_arm/thumb.obj",
+        include_bytes!("../robots/table_arm/thumb.obj"),
+    ),
+];
 
 /// Name, robot and TOML of each shipped map.
-const MAPS: [(&str, &str, &str); 2] = [
+const MAPS: [(&str, &str, &str); 8] = [
     (
         "wave_arm_demonstrator",
         "wave_arm",
@@ -19,6 +83,36 @@ const MAPS: [(&str, &str, &str); 2] = [
         "wave_arm_human",
         "wave_arm",
         include_str!("../robots/wave_arm_human.toml"),
+    ),
+    (
+        "wave_arm_left_demonstrator",
+        "wave_arm_left",
+        include_str!("../robots/wave_arm_left_demonstrator.toml"),
+    ),
+    (
+        "wave_arm_left_human",
+        "wave_arm_left",
+        include_str!("../robots/wave_arm_left_human.toml"),
+    ),
+    (
+        "table_arm_demonstrator",
+        "table_arm",
+        include_str!("../robots/table_arm_demonstrator.toml"),
+    ),
+    (
+        "table_arm_human",
+        "table_arm",
+        include_str!("../robots/table_arm_human.toml"),
+    ),
+    (
+        "column_arm_demonstrator",
+        "column_arm",
+        include_str!("../robots/column_arm_demonstrator.toml"),
+    ),
+    (
+        "column_arm_human",
+        "column_arm",
+        include_str!("../robots/column_arm_human.toml"),
     ),
 ];
 
@@ -32,7 +126,14 @@ pub fn maps() -> impl Iterator<Item = &'static str> {
     MAPS.iter().map(|(name, ..)| *name)
 }
 
-/// A shipped robot by name: `wave_arm`, a social robot of human size with a right arm of six joints.
+/// A shipped robot by name. All were made up for this crate.
+///
+/// | name | what |
+/// |---|---|
+/// | `wave_arm` | a social robot of human size with torso, head and a right arm of six joints |
+/// | `wave_arm_left` | its mirror image |
+/// | `table_arm` | an industrial arm of six joints and 0.6 m reach on a table, with meshes for shapes |
+/// | `column_arm` | an arm of seven joints with a ball for a shoulder, mounted sideways on a column |
 ///
 /// # Errors
 /// When there is none of this name.
@@ -43,7 +144,13 @@ pub fn robot(name: &str) -> Result<Robot> {
             robots().collect::<Vec<_>>().join(", ")
         ))
     })?;
-    Robot::from_urdf(urdf)
+    Robot::load(
+        urdf,
+        &LoadOptions {
+            meshes: MeshFiles::Embedded(&MESHES),
+            ..LoadOptions::default()
+        },
+    )
 }
 
 /// A shipped joint map by name.

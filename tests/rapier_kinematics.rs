@@ -42,8 +42,10 @@ fn compare(robot: &Robot) {
 }
 
 #[test]
-fn the_shipped_arm_agrees() {
-    compare(&shipped::robot("wave_arm").unwrap());
+fn every_shipped_robot_agrees() {
+    for name in shipped::robots() {
+        compare(&shipped::robot(name).unwrap());
+    }
 }
 
 #[test]

@@ -39,17 +39,25 @@ pub(super) struct Arguments {
     /// The link whose reach is told [default: the end of the longest chain].
     #[arg(long, value_name = "LINK")]
     tip: Option<String>,
+    /// Measure how closely hulls enclose their meshes: up to a second a mesh.
+    #[arg(long)]
+    measure: bool,
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
-    let robot = arguments.reading.robot(&arguments.robot)?;
+    let robot = arguments
+        .reading
+        .robot_with(&arguments.robot, arguments.measure)?;
     let robot = match &arguments.tip {
         None => robot,
         tip => robot.with_tip(tip.as_deref())?,
     };
     let srdf = arguments.reading.srdf(&robot)?;
     let facts = Facts::of(&robot);
-    let value = facts.json(&robot, srdf.as_ref());
+    let value = match json {
+        true => facts.json(&robot, srdf.as_ref()),
+        false => Value::Null,
+    };
     output::report(json, &value, || facts.words(&robot, srdf.as_ref()));
     Ok(Outcome::Done)
 }
@@ -98,6 +106,7 @@ impl Facts {
             tree(robot),
             joint_table(robot),
             body_table(robot),
+            enclosure_table(robot),
         ];
         if let Some(srdf) = srdf {
             parts.push(format!(
@@ -139,6 +148,12 @@ impl Facts {
                 "body": robot.bodies()[link.body].name,
             })).collect::<Vec<_>>(),
             "bodies": robot.bodies().iter().map(body_json).collect::<Vec<_>>(),
+            "enclosures": robot.enclosures().iter().map(|e| json!({
+                "mesh": e.mesh,
+                "hulls": e.hulls,
+                "largest_gap_m": [e.enclosure.largest_gap.0, e.enclosure.largest_gap.1],
+                "volume_ratio": e.enclosure.volume_ratio,
+            })).collect::<Vec<_>>(),
             "mass_kg": self.mass,
             "tip": robot.tip().name,
             "tips": robot.tips().iter().map(|l| &l.name).collect::<Vec<_>>(),
@@ -295,6 +310,34 @@ fn body_table(robot: &Robot) -> String {
         })
         .collect();
     output::table(&["body", "mass", "collision shapes"], &rows)
+}
+
+/// How much larger hulls are than their meshes, where that was measured.
+fn enclosure_table(robot: &Robot) -> String {
+    if robot.enclosures().is_empty() {
+        return String::new();
+    }
+    let rows: Vec<Vec<String>> = robot
+        .enclosures()
+        .iter()
+        .map(|e| {
+            let (low, high) = e.enclosure.largest_gap;
+            let volume = match e.enclosure.volume_ratio {
+                None => "mesh not closed".to_owned(),
+                Some(ratio) => format!("{ratio:.3}"),
+            };
+            vec![
+                e.mesh.clone(),
+                e.hulls.to_string(),
+                format!("{} .. {} mm", short(1e3 * low), short(1e3 * high)),
+                volume,
+            ]
+        })
+        .collect();
+    output::table(
+        &["mesh", "hulls", "largest gap", "volume of hulls / mesh"],
+        &rows,
+    )
 }
 
 /// Shapes of a kind together, in the order in which the kinds come.

@@ -8,8 +8,9 @@ use super::{output, read_text};
 use crate::collision::{CollisionOptions, Evidence, Scene};
 use crate::error::{Error, ErrorKind, Result, listed};
 use crate::fourier::Joints;
+use crate::geometry::Decomposition;
 use crate::retarget::JointMap;
-use crate::robot::{Inconsistent, LoadOptions, MeshFiles, Robot, Srdf};
+use crate::robot::{Inconsistent, LoadOptions, MeshConvex, MeshFiles, Robot, Srdf};
 use crate::shipped;
 
 /// How a URDF file is read, whatever is done with it.
@@ -27,14 +28,24 @@ pub(super) struct Reading {
     /// Put the nearest consistent inertia in the place of those that no body has.
     #[arg(long)]
     mend_inertia: bool,
+    /// Take meshes apart into at most so many convex hulls, instead of one around all.
+    #[arg(long, value_name = "PARTS", num_args = 0..=1, default_missing_value = "8")]
+    decompose: Option<usize>,
 }
 
 impl Reading {
     /// A robot by path or by shipped name; a file goes first.
     pub fn robot(&self, name: &str) -> Result<Robot> {
+        self.robot_with(name, false)
+    }
+
+    /// The same, and how closely hulls enclose meshes is measured where asked for.
+    pub fn robot_with(&self, name: &str, measure: bool) -> Result<Robot> {
         let path = Path::new(name);
         if is_file(path) {
-            return Robot::open_with(path, self.options());
+            let mut options = self.options()?;
+            options.measure = measure;
+            return Robot::open_with(path, options);
         }
         shipped::robot(name).map_err(|e| match e.kind() {
             ErrorKind::Name => {
@@ -49,15 +60,29 @@ impl Reading {
         })
     }
 
-    fn options(&self) -> LoadOptions {
-        LoadOptions {
+    fn options(&self) -> Result<LoadOptions> {
+        let convex = match self.decompose {
+            None => MeshConvex::Hull,
+            Some(parts @ 1..=64) => MeshConvex::Parts(Decomposition {
+                parts,
+                ..Decomposition::default()
+            }),
+            Some(parts) => {
+                return Err(
+                    Error::new(ErrorKind::Setting, format!("--decompose {parts}"))
+                        .expected("1 to 64 parts"),
+                );
+            }
+        };
+        Ok(LoadOptions {
+            convex,
             meshes: MeshFiles::Folders(self.meshes.clone()),
             inertia: match self.mend_inertia {
                 true => Inconsistent::Mend,
                 false => Inconsistent::Refuse,
             },
             ..LoadOptions::default()
-        }
+        })
     }
 
     /// The SRDF, where one is given; what of it does not fit the robot is told.

@@ -149,10 +149,14 @@ impl<'m> Checker<'m> {
         self.any_convex_pair(pair, |a, b, warm| match a {
             Other::Convex(convex, placed) => {
                 let a = convex.at(placed);
-                !(rough_separation(a, b, padding) > padding
-                    || separation(a, b, warm, padding).lower > padding)
+                let is_apart = rough_separation(a, b, padding) > padding
+                    || separation(a, b, warm, padding).lower > padding;
+                !is_apart
             }
-            Other::HalfSpace(half_space) => !(half_space.separation(b).lower > padding),
+            Other::HalfSpace(half_space) => {
+                let is_apart = half_space.separation(b).lower > padding;
+                !is_apart
+            }
         })
     }
 

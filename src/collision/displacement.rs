@@ -10,7 +10,7 @@
 //! d(q) >= d(q_m) - sum_{k <= s} rho_k(A) r_k - sum_{k > s} rho_k(B) r_k     for |q - q_m| <= r and every s,
 //! ```
 //!
-//! with every rho taken at q_m, and no term of second order. The s of the least sum is taken. Points move by less than this on circles,
+//! (what is round about its core, a ball or a capsule, is so however it turns: for it points of the core alone count,) with every rho taken at q_m, and no term of second order. The s of the least sum is taken. Points move by less than this on circles,
 //! and a prismatic joint has rho = 1. What is moved by at most x lets the signed distance change by at most x, deep in each other too:
 //! it is the largest over all directions of the gap between two parallel planes, and each gap changes by at most x.
 
@@ -31,6 +31,8 @@ pub(super) struct Chain {
 pub(super) struct Step {
     /// Number of the joint among [`Frames::joints`].
     pub joint: usize,
+    /// Seen from the first part, the second turns with the joint (1), or against it (-1): on the way from the first part to the base.
+    pub sign: f64,
     /// Which row has its rho for the first part and for the second; `None` for the first where it is a half-space, which is endless.
     pub rows: (Option<usize>, usize),
 }
@@ -59,9 +61,11 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 .zip(down.iter().rev())
                 .take_while(|(x, y)| x == y)
                 .count();
-            let joints = up[..up.len() - shared]
+            let against = up[..up.len() - shared].iter().map(|joint| (joint, -1.0));
+            let along = down[..down.len() - shared]
                 .iter()
-                .chain(down[..down.len() - shared].iter().rev());
+                .rev()
+                .map(|joint| (joint, 1.0));
             let mut row = |part: usize, joint: usize| {
                 *numbers.entry(Row { part, joint }).or_insert_with(|| {
                     rows.push(Row { part, joint });
@@ -69,9 +73,11 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 })
             };
             let endless = matches!(parts[a].geometry, PartGeometry::HalfSpace(_));
-            let steps = joints
-                .map(|joint| Step {
+            let steps = against
+                .chain(along)
+                .map(|(joint, sign)| Step {
                     joint: *joint,
+                    sign,
                     rows: ((!endless).then(|| row(a, *joint)), row(b, *joint)),
                 })
                 .collect();

@@ -6,27 +6,26 @@ use super::CollisionModel;
 use super::displacement::Chain;
 use super::frames::{Poses, Stored, V3};
 use super::part::PartGeometry;
-use crate::motion::LANES;
+use crate::motion::{LANES, TubeRows};
 use crate::robot::JointKind;
 
 /// Four intervals of time: where everything is in their middles, and how far from there it can be.
 pub(super) struct Four {
-    /// Of each joint of the motion, its position and how far from it the motion comes.
-    pub position: Vec<[f64; LANES]>,
-    pub radius: Vec<[f64; LANES]>,
+    /// Of the motion.
+    pub rows: TubeRows,
     /// Of each body.
     pub placed: Vec<Stored>,
     /// Of each body's joint, how far it can be from where it is.
-    turn: Vec<[f64; LANES]>,
+    pub turn: Vec<[f64; LANES]>,
     /// What of that is tolerance.
-    tolerance: Vec<f64>,
+    pub tolerance: Vec<f64>,
     /// Of each part, the centre of its ball.
     centers: Vec<[[f64; LANES]; 3]>,
     /// Of each row, its rho by the ball, and of which round it is.
     rho: Vec<([f64; LANES], u64)>,
     round: u64,
     /// Of the pair at hand, of each joint between its parts, the rho of the first part and of the second.
-    rhos: Vec<[[f64; LANES]; 2]>,
+    pub rhos: Vec<[[f64; LANES]; 2]>,
 }
 
 /// Of a pair in four intervals.
@@ -34,7 +33,7 @@ pub(super) struct Four {
 pub(super) struct PairBounds {
     /// Less than this the distance cannot be anywhere in the interval \[m\].
     pub lower: [f64; LANES],
-    /// From the middle it falls by no more than this \[m\].
+    /// From what it is in the middle it falls by no more than this \[m\]. By balls it is not told.
     pub fall: [f64; LANES],
     /// However short the interval, it falls by this \[m\]: what the tolerance of the joints is good for. By balls it is not told.
     pub rest: [f64; LANES],
@@ -44,8 +43,7 @@ impl Four {
     pub fn new(model: &CollisionModel) -> Self {
         let zero = [0.0; LANES];
         Self {
-            position: vec![zero; model.joints().len()],
-            radius: vec![zero; model.joints().len()],
+            rows: TubeRows::new(model.joints().len()),
             placed: vec![[zero; 12]; model.frames.bodies()],
             turn: vec![zero; model.frames.joints().len()],
             tolerance: vec![0.0; model.frames.joints().len()],
@@ -62,9 +60,9 @@ impl Four {
         self.round += 1;
         model
             .frames
-            .place_four(simd, &self.position, &mut self.placed);
+            .place_four(simd, &self.rows.position, &mut self.placed);
         for (i, joint) in model.frames.joints().iter().enumerate() {
-            let (radius, tolerance) = (&self.radius[joint.index], tolerance[joint.index]);
+            let (radius, tolerance) = (&self.rows.radius[joint.index], tolerance[joint.index]);
             let size = joint.multiplier.abs() * OUTWARD;
             self.tolerance[i] = size * tolerance;
             for (turn, radius) in self.turn[i].iter_mut().zip(radius) {
@@ -118,8 +116,8 @@ impl Four {
             let first = step.rows.0.map_or(ENDLESS, |row| self.rho[row].0);
             *rhos = [first, self.rho[step.rows.1].0];
         }
-        let fall = self.fall(simd, chain);
-        PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall)
+        let fall = self.fall(simd, model, chain, [0.0; 2]);
+        PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall[0])
     }
 
     /// What the capsules around its two parts say of a pair.
@@ -156,14 +154,31 @@ impl Four {
                 first.store_slice(&mut self.rhos[i][0]);
             }
         }
-        let fall = self.fall(simd, chain);
-        PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall)
+        let fall = self.fall(simd, model, chain, [0.0; 2]);
+        let mut bounds =
+            PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall[0]);
+        // The shapes themselves are as far from the axes as the capsules' surfaces, but for their own margins, which are round.
+        let fall = self.fall(
+            simd,
+            model,
+            chain,
+            [model.parts[a].girth(), model.parts[b].girth()],
+        );
+        fall[0].store_slice(&mut bounds.fall);
+        fall[1].store_slice(&mut bounds.rest);
+        bounds
     }
 
-    /// The least sum over the joints of a chain, those up to some joint by the first of [`rhos`](Self::rhos) and the others by the second: for
-    /// all that the joints can turn, and for their tolerance alone.
+    /// The least sum over the joints of a chain, those up to some joint by the first of [`rhos`](Self::rhos) and the others by the second, each
+    /// with what `girths` adds to it for revolute joints: for all that the joints can turn, and for their tolerance alone.
     #[inline(always)]
-    fn fall<S: Simd>(&self, simd: S, chain: &Chain) -> [f64x4<S>; 2] {
+    fn fall<S: Simd>(
+        &self,
+        simd: S,
+        model: &CollisionModel,
+        chain: &Chain,
+        girths: [f64; 2],
+    ) -> [f64x4<S>; 2] {
         let zero = f64x4::splat(simd, 0.0);
         // The sum of all by the second; what it changes when those up to a joint are by the first, and the least of that.
         let (mut sum, mut change, mut least) = ([zero; 2], [zero; 2], [zero; 2]);
@@ -172,8 +187,12 @@ impl Four {
                 f64x4::load_array_ref(simd, &self.turn[step.joint]),
                 f64x4::splat(simd, self.tolerance[step.joint]),
             ];
-            let first = f64x4::load_array_ref(simd, first);
-            let second = f64x4::load_array_ref(simd, second);
+            let turns = match model.frames.joints()[step.joint].kind {
+                JointKind::Revolute => 1.0,
+                JointKind::Prismatic => 0.0,
+            };
+            let first = f64x4::load_array_ref(simd, first) + girths[0] * turns;
+            let second = f64x4::load_array_ref(simd, second) + girths[1] * turns;
             for i in 0..2 {
                 sum[i] += second * turn[i];
                 change[i] += (first - second) * turn[i];
@@ -183,7 +202,8 @@ impl Four {
         [(sum[0] + least[0]) * OUTWARD, (sum[1] + least[1]) * OUTWARD]
     }
 
-    /// The distance of the farthest point of the ball around a part from a joint's axis; 1 for prismatic joints.
+    /// The distance of the middle of the ball around a part from a joint's axis; 1 for prismatic joints. Balls are balls however they turn, so
+    /// that the gap between two falls by no more than their middles move.
     #[inline(always)]
     fn ball_rho<S: Simd>(&self, simd: S, model: &CollisionModel, row: usize) -> f64x4<S> {
         let row = &model.rows[row];
@@ -191,15 +211,13 @@ impl Four {
         if joint.kind == JointKind::Prismatic {
             return f64x4::splat(simd, 1.0);
         }
-        let PartGeometry::Convexes { ball, .. } = &model.parts[row.part].geometry else {
-            return f64x4::splat(simd, f64::INFINITY);
-        };
         let placed = Poses::load(simd, &self.placed[joint.body]);
         let arm = self.center(simd, row.part).sub(&placed.origin);
-        arm.cross(&placed.z).norm() + (ball.radius + model.rounding)
+        arm.cross(&placed.z).norm() + model.rounding
     }
 
-    /// The same of the capsule: one of its ends is farthest.
+    /// The distance of the farther end of the axis of the capsule around a part from a joint's axis: the gap between two capsules falls by no more
+    /// than their axes move.
     #[inline(always)]
     fn capsule_rho<S: Simd>(
         &self,
@@ -212,14 +230,11 @@ impl Four {
         if joint.kind == JointKind::Prismatic {
             return f64x4::splat(simd, 1.0);
         }
-        let PartGeometry::Convexes { capsule, .. } = &model.parts[part].geometry else {
-            return f64x4::splat(simd, f64::INFINITY);
-        };
         let placed = Poses::load(simd, &self.placed[joint.body]);
         let [first, second] = self.ends(simd, model, part);
         let first = first.sub(&placed.origin).cross(&placed.z);
         let second = second.sub(&placed.origin).cross(&placed.z);
-        first.dot(&first).max(second.dot(&second)).sqrt() + (capsule.radius + model.rounding)
+        first.dot(&first).max(second.dot(&second)).sqrt() + model.rounding
     }
 
     #[inline(always)]
@@ -253,15 +268,13 @@ impl Four {
 const ENDLESS: [f64; LANES] = [1e30; LANES];
 
 /// Sums and products of a few dozen numbers are below this times themselves as computed.
-const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
+pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
 
 impl PairBounds {
     #[inline(always)]
-    fn of<S: Simd>(gap: f64x4<S>, fall: [f64x4<S>; 2]) -> Self {
+    fn of<S: Simd>(gap: f64x4<S>, fall: f64x4<S>) -> Self {
         let mut bounds = Self::nothing();
-        (gap - fall[0]).store_slice(&mut bounds.lower);
-        fall[0].store_slice(&mut bounds.fall);
-        fall[1].store_slice(&mut bounds.rest);
+        (gap - fall).store_slice(&mut bounds.lower);
         bounds
     }
 
@@ -269,7 +282,7 @@ impl PairBounds {
         Self {
             lower: [f64::NEG_INFINITY; LANES],
             fall: [f64::INFINITY; LANES],
-            rest: [0.0; LANES],
+            rest: [f64::INFINITY; LANES],
         }
     }
 

@@ -103,7 +103,7 @@ impl Frames {
     }
 
     /// Takes coordinates in the frame that a body has in the robot to the frame used here.
-    pub fn into_frame(&self, body: usize) -> Isometry3<f64> {
+    pub fn frame_of(&self, body: usize) -> Isometry3<f64> {
         isometry(self.turns[body].inverse())
     }
 

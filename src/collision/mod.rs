@@ -1,6 +1,7 @@
 //! Collision of a robot with itself and with its surroundings: which pairs are kept apart, how far apart they are, and proofs that a
 //! motion keeps them so.
 
+mod bends;
 mod certificate;
 mod certify;
 mod configuration;
@@ -37,6 +38,9 @@ use part::{Part, PartGeometry};
 
 /// Composing the frames of joints rounds: by less than this many machine epsilons of the lengths involved for each of them.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// No robot has more, and memory grows with them.
+const MOST_PAIRS: usize = 200_000;
 
 /// What pairs are checked and how closely, where the default is not what is wanted.
 #[derive(Debug, Clone, Default)]
@@ -87,22 +91,9 @@ impl CollisionModel {
     /// nothing to check: what is not known is not called free.
     pub fn new(robot: &Robot, options: &CollisionOptions) -> Result<Self> {
         let here = |e: Error| e.at(format!("robot `{}`", robot.name()));
-        let unread: Vec<&str> = robot
-            .bodies()
-            .iter()
-            .flat_map(|b| b.unread_collision.iter().map(String::as_str))
-            .collect();
-        if let Some(first) = unread.first() {
-            return Err(here(
-                Error::new(
-                    ErrorKind::Unsupported,
-                    format!("{} collision meshes were not read, first {first}", unread.len()),
-                )
-                .because(Reason::NoCollisionGeometry)
-                .expected("a collision shape of every link that has one in the file")
-                .help("say where meshes are with --meshes, or replace them by primitives; limits and simulation work without"),
-            ));
-        }
+        robot
+            .require_collision()
+            .map_err(|e| e.because(Reason::NoCollisionGeometry))?;
         let frames = Frames::new(robot);
         let mut parts = options
             .scene
@@ -129,7 +120,7 @@ impl CollisionModel {
                 .filter(|solid| solid.link == index)
                 .collect();
             if !solids.is_empty() {
-                let frame: Isometry3<f64> = frames.into_frame(link.body);
+                let frame: Isometry3<f64> = frames.frame_of(link.body);
                 parts.push(Part::new(link.name.clone(), link.body, &frame, &solids).map_err(here)?);
             }
         }
@@ -141,6 +132,14 @@ impl CollisionModel {
                 )
                 .because(Reason::NoCollisionGeometry)
                 .help("add <collision> elements to the URDF"),
+            ));
+        }
+        let count = parts.len() * (parts.len() - 1) / 2 - scene * scene.saturating_sub(1) / 2;
+        if count > MOST_PAIRS {
+            return Err(here(
+                Error::new(ErrorKind::Unsupported, format!("{count} pairs of links"))
+                    .expected(format!("at most {MOST_PAIRS}"))
+                    .help("join links by fixed joints, or take collision shapes off those that cannot touch"),
             ));
         }
         let pairs = pairs::pairs(robot, &parts, scene, options).map_err(here)?;

@@ -81,6 +81,19 @@ impl Part {
         }
     }
 
+    /// How far the cores of the shapes reach from the axis of the capsule around them \[m\]. 0 for a single capsule or sphere.
+    pub fn girth(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Convexes {
+                convexes, capsule, ..
+            } => {
+                let margins = convexes.iter().map(Convex::margin);
+                (capsule.radius - margins.fold(f64::INFINITY, f64::min)).max(0.0)
+            }
+            PartGeometry::HalfSpace(_) => 0.0,
+        }
+    }
+
     /// The largest distance of a point from the body's origin \[m\]; of a half-space that of its plane.
     pub fn reach(&self) -> f64 {
         match &self.geometry {

@@ -60,8 +60,9 @@ pub struct Work {
 }
 
 /// What a search found.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Found {
+    goal: Goal,
     /// The least lower bound, over all pairs and times.
     pub lower: Option<At>,
     /// The least distance that is taken in the middle of an interval.
@@ -144,10 +145,7 @@ impl<'m> Search<'m> {
         self.warm.fill(Warm::default());
         self.nodes.clear();
         self.open.clear();
-        let mut found = Found {
-            leaves: keep.then(Vec::new),
-            ..Found::default()
-        };
+        let mut found = Found::new(goal, keep);
         let all = &self.model.checked;
         if all.is_empty() {
             return found;
@@ -161,7 +159,7 @@ impl<'m> Search<'m> {
                 lower: f64::NEG_INFINITY,
             });
         }
-        dispatch!(Level::new(), simd => self.search(simd, tube, goal, tolerance, &mut found));
+        dispatch!(Level::new(), simd => self.search(simd, tube, tolerance, &mut found));
         found
     }
 
@@ -170,7 +168,6 @@ impl<'m> Search<'m> {
         &mut self,
         simd: S,
         tube: &mut T,
-        goal: Goal,
         tolerance: &[f64],
         found: &mut Found,
     ) {
@@ -182,19 +179,12 @@ impl<'m> Search<'m> {
                 for node in &nodes[..count] {
                     found.give_up(node);
                 }
-                for pair in 0..self.lanes.len() {
-                    self.lanes[pair] = 0;
-                }
+                self.lanes.fill(0);
                 continue;
             }
             let middle = nodes.map(|n| n.middle);
             let half = nodes.map(|n| n.half);
-            tube.over_four(
-                &middle,
-                &half,
-                &mut self.four.position,
-                &mut self.four.radius,
-            );
+            tube.over_four(&middle, &half, &mut self.four.rows);
             self.four.place(simd, model, tolerance);
             let mut lower = [f64::INFINITY; LANES];
             if let Some(leaves) = &mut found.leaves {
@@ -212,10 +202,10 @@ impl<'m> Search<'m> {
                     continue;
                 }
                 let mut bounds = self.four.by_balls(simd, model, pair);
-                let mut open = self.settle(&bounds, lanes, pair, goal, &middle, found, count);
+                let mut open = found.settle(&bounds, lanes, pair, &middle, count);
                 if open != 0 {
                     bounds = bounds.and(&self.four.by_capsules(simd, model, pair));
-                    open = self.settle(&bounds, open, pair, goal, &middle, found, count);
+                    open = found.settle(&bounds, open, pair, &middle, count);
                 }
                 for lane in 0..LANES {
                     if open >> lane & 1 == 0 {
@@ -226,7 +216,7 @@ impl<'m> Search<'m> {
                         pair,
                         time: middle[lane],
                     };
-                    match self.narrow(simd, &bounds, lane, at, goal, found) {
+                    match self.narrow(simd, &bounds, (lane, half[lane]), at, found) {
                         Narrowed::Proven => found.keep(lane, count, pair),
                         Narrowed::Open(least) => {
                             lower[lane] = lower[lane].min(least);
@@ -266,63 +256,37 @@ impl<'m> Search<'m> {
         (nodes, count)
     }
 
-    /// Which of the intervals `lanes` stay open for a pair.
-    #[inline(always)]
-    fn settle(
-        &self,
-        bounds: &PairBounds,
-        lanes: u8,
-        pair: usize,
-        goal: Goal,
-        middle: &[f64; LANES],
-        found: &mut Found,
-        count: usize,
-    ) -> u8 {
-        let bar = found.bar(goal);
-        let mut open = lanes;
-        for lane in 0..LANES {
-            if lanes >> lane & 1 == 1 && bounds.lower[lane] > bar {
-                open &= !(1 << lane);
-                found.proven(At {
-                    distance: bounds.lower[lane],
-                    pair,
-                    time: middle[lane],
-                });
-                found.keep(lane, count, pair);
-            }
-        }
-        open
-    }
-
     /// Looks at the shapes themselves, in the middle of an interval.
     #[inline(always)]
     fn narrow<S: Simd>(
         &mut self,
         simd: S,
         bounds: &PairBounds,
-        lane: usize,
+        (lane, half): (usize, f64),
         at: At,
-        goal: Goal,
         found: &mut Found,
     ) -> Narrowed {
         let model = self.model;
         let pair = &model.pairs[at.pair];
         let fall = bounds.fall[lane];
         // What is kept apart by more than this is proven.
-        let bar = found.bar(goal);
+        let bar = found.bar();
         let needed = bar + fall + pair.padding + model.rounding;
         let (a, b) = (&model.parts[pair.parts.0], &model.parts[pair.parts.1]);
         let placed_b = lane_of(&self.four.placed[b.body], lane);
         let PartGeometry::Convexes { convexes, .. } = &b.geometry else {
             return Narrowed::Undecided;
         };
+        // Lower bounds over the interval, upper ones in its middle. A tree that is kept holds what falls by the sum over joints alone.
         let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+        let is_plain = found.leaves.is_some();
+        let bends = (!is_plain).then(|| self.four.bends(model, at.pair, lane, half));
         match &a.geometry {
             PartGeometry::HalfSpace(half_space) => {
                 for convex in convexes {
                     found.work.distances += 1;
                     let between = half_space.separation_with(simd, convex.at(&placed_b));
-                    lower = lower.min(between.lower);
+                    lower = lower.min(between.lower - fall);
                     upper = upper.min(between.upper);
                 }
             }
@@ -339,7 +303,7 @@ impl<'m> Search<'m> {
                     if others.len() * convexes.len() > 1 {
                         let gap = rough_separation(placed_a, placed_b, needed);
                         if gap > needed {
-                            lower = lower.min(gap);
+                            lower = lower.min(gap - fall);
                             continue;
                         }
                     }
@@ -347,18 +311,25 @@ impl<'m> Search<'m> {
                     let warm = &mut self.warm[first + i];
                     let between = separation_with(simd, placed_a, placed_b, warm, needed);
                     let (mut below, mut above) = (between.lower, between.upper);
-                    if matches!(goal, Goal::Least(_)) && below <= needed {
+                    if matches!(found.goal, Goal::Least(_)) && below <= needed {
                         above = signed_distance_with(simd, placed_a, placed_b, warm).distance;
                         // By the plane that this ended with.
                         below =
                             separation_with(simd, placed_a, placed_b, warm, above - FINEST).lower;
                     }
-                    lower = lower.min(below);
+                    let mut least = below - fall;
+                    if below <= needed
+                        && let Some(bends) = &bends
+                        && let Some(direction) = warm.direction(placed_a.placement)
+                    {
+                        least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
+                    }
+                    lower = lower.min(least);
                     upper = upper.min(above);
                 }
             }
         }
-        let least = lower - pair.padding - model.rounding - fall;
+        let least = lower - pair.padding - model.rounding;
         let least = least.max(bounds.lower[lane]);
         if least > bar {
             found.proven(At {
@@ -372,7 +343,7 @@ impl<'m> Search<'m> {
             distance: upper,
             ..at
         };
-        match goal {
+        match found.goal {
             Goal::Above(margin) if upper <= margin + FINEST => {
                 found.upper = Some(witness);
                 return Narrowed::Refuted;
@@ -386,7 +357,7 @@ impl<'m> Search<'m> {
                 if found.upper.is_none_or(|best| upper < best.distance) {
                     found.upper = Some(witness);
                 }
-                if least > found.bar(goal) || fall < NARROWEST {
+                if least > found.bar() || fall < NARROWEST {
                     found.proven(At {
                         distance: least,
                         ..at
@@ -429,10 +400,47 @@ enum Narrowed {
 }
 
 impl Found {
+    fn new(goal: Goal, keep: bool) -> Self {
+        Self {
+            goal,
+            lower: None,
+            upper: None,
+            undecided: Vec::new(),
+            leaves: keep.then(Vec::new),
+            work: Work::default(),
+        }
+    }
+
+    /// Which of the intervals `lanes` stay open for a pair.
+    #[inline(always)]
+    fn settle(
+        &mut self,
+        bounds: &PairBounds,
+        lanes: u8,
+        pair: usize,
+        middle: &[f64; LANES],
+        count: usize,
+    ) -> u8 {
+        let bar = self.bar();
+        let mut open = lanes;
+        for lane in 0..LANES {
+            if lanes >> lane & 1 == 1 && bounds.lower[lane] > bar {
+                open &= !(1 << lane);
+                self.proven(At {
+                    distance: bounds.lower[lane],
+                    pair,
+                    time: middle[lane],
+                });
+                self.keep(lane, count, pair);
+            }
+        }
+        open
+    }
+
     /// What is proven to stay above this is done with.
     #[inline(always)]
-    fn bar(&self, goal: Goal) -> f64 {
-        match goal {
+    fn bar(&self) -> f64 {
+        match self.goal {
             Goal::Above(margin) => margin,
             Goal::Least(accuracy) => self
                 .upper

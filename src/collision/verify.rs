@@ -118,7 +118,7 @@ impl Certificate {
                 let (distance, looks) = distance(&poses, a, b);
                 verified.distances += looks;
                 let spare = distance - file.checked[*number].padding_m - fall - file.margin_m;
-                if !(spare > 0.0) {
+                if spare <= 0.0 || spare.is_nan() {
                     let (first, second) = &file.checked[*number].pair;
                     return Err(refuse(format!(
                         "{first} and {second} are {distance:.6} m apart at {middle:.4} s and may come nearer by {fall:.6} m within {half:.2e} s"

@@ -52,7 +52,7 @@ pub(crate) struct Cylinder {
 }
 
 impl Points {
-    fn new(points: &[Vector3<f64>]) -> Self {
+    fn new(points: &[Point3<f64>]) -> Self {
         let blocks = points
             .chunks(LANES)
             .map(|block| {
@@ -79,7 +79,7 @@ impl Convex {
     /// `shape` at `pose` on its body.
     ///
     /// # Errors
-    /// When a length or a coordinate is not finite, negative or beyond 1e12 m.
+    /// When a radius is negative, or a length or a coordinate is not finite or beyond 1e12 m.
     pub fn new(shape: &Shape, pose: &Isometry3<f64>) -> Result<Self> {
         let along = |length: f64| {
             [-0.5, 0.5].map(|end| pose.transform_point(&Point3::new(0.0, 0.0, end * length)))
@@ -138,12 +138,11 @@ impl Convex {
     /// # Errors
     /// Without a point, or when a number is not finite or beyond 1e12 m, or when the margin is negative.
     pub fn from_points(points: &[Point3<f64>], margin: f64) -> Result<Self> {
-        let points: Vec<Vector3<f64>> = points.iter().map(|p| p.coords).collect();
         if points.is_empty() {
             return Err(Error::new(ErrorKind::Shape, "no points")
                 .expected("at least one point of a convex shape"));
         }
-        if let Some(point) = points.iter().find(|p| !valid(p)) {
+        if let Some(point) = points.iter().find(|p| !valid(&p.coords)) {
             return Err(out_of_range(format!(
                 "a point at ({}, {}, {})",
                 point.x, point.y, point.z
@@ -152,13 +151,13 @@ impl Convex {
         if !(0.0..=LARGEST).contains(&margin) {
             return Err(out_of_range(format!("a margin of {margin}")));
         }
-        let reach = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let reach = points.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
         Ok(Self {
-            core: Core::Points(Points::new(&points)),
+            core: Core::Points(Points::new(points)),
             margin,
             reach: reach * (1.0 + 16.0 * f64::EPSILON),
-            ball: Ball::of_points(&points).grown(margin),
-            capsule: BoundingCapsule::of_points(&points).grown(margin),
+            ball: Ball::of_points(points).grown(margin),
+            capsule: BoundingCapsule::of_points(points).grown(margin),
         })
     }
 

@@ -13,9 +13,10 @@ mod shape;
 pub use convex::{Convex, Placed, Placement};
 pub use decomposition::Decomposition;
 pub use distance::{
-    HalfSpace, Separation, SignedDistance, Warm, intersects, separation, signed_distance,
+    HalfSpace, Separation, SignedDistance, Warm, intersects, rough_separation, separation,
+    signed_distance,
 };
-pub(crate) use distance::{rough_separation, separation_with, signed_distance_with};
+pub(crate) use distance::{separation_with, signed_distance_with};
 pub use enclosing::{Ball, BoundingCapsule};
 pub use enclosure::Enclosure;
 pub use hull::Hull;

@@ -62,20 +62,45 @@ pub trait Tube {
     /// goes to it as `half` goes to 0.
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]);
 
-    /// [`over`](Self::over) for four intervals at once, one row a joint: what is asked for in inner loops.
-    fn over_four(
-        &mut self,
-        middle: &[f64; LANES],
-        half: &[f64; LANES],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
-    ) {
-        let (mut q, mut r) = (vec![0.0; position.len()], vec![0.0; radius.len()]);
+    /// [`over`](Self::over) for four intervals at once: what is asked for in inner loops. Without more being known of a motion, it bends by
+    /// all that it moves.
+    fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+        let joints = rows.position.len();
+        let (mut q, mut r) = (vec![0.0; joints], vec![0.0; joints]);
         for lane in 0..LANES {
             self.over(middle[lane], half[lane], &mut q, &mut r);
-            for joint in 0..q.len() {
-                (position[joint][lane], radius[joint][lane]) = (q[joint], r[joint]);
+            for joint in 0..joints {
+                rows.position[joint][lane] = q[joint];
+                rows.radius[joint][lane] = r[joint];
+                rows.velocity[joint][lane] = 0.0;
+                rows.bend[joint][lane] = r[joint];
             }
+        }
+    }
+}
+
+/// What is known of a motion on four intervals of time |t - middle| <= half, a row a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TubeRows {
+    /// In the middle \[rad, m\].
+    pub position: Vec<[f64; LANES]>,
+    /// |q(t) - position| is no more.
+    pub radius: Vec<[f64; LANES]>,
+    /// In the middle \[rad/s, m/s\].
+    pub velocity: Vec<[f64; LANES]>,
+    /// |q(t) - position - velocity (t - middle)| is no more \[rad, m\].
+    pub bend: Vec<[f64; LANES]>,
+}
+
+impl TubeRows {
+    /// For so many joints.
+    pub fn new(joints: usize) -> Self {
+        let zero = vec![[0.0; LANES]; joints];
+        Self {
+            position: zero.clone(),
+            radius: zero.clone(),
+            velocity: zero.clone(),
+            bend: zero,
         }
     }
 }

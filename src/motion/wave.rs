@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x4};
 
-use super::{LANES, Motion, Tube};
+use super::{LANES, Motion, Tube, TubeRows};
 use crate::elementary::sin_cos;
 use crate::fourier::{Derivative, Extremes, Joints, State, Wave};
 
@@ -42,9 +42,11 @@ impl Motion for Wave {
 #[derive(Debug)]
 pub struct WaveTube<'a> {
     wave: &'a Wave,
-    /// Of each harmonic and joint, a and b of a cos(k w t) + b sin(k w t).
+    /// Of each joint and harmonic, a and b of a cos(k w t) + b sin(k w t).
     terms: Vec<[f64; 2]>,
     bounds: Vec<Bounds>,
+    /// Of each harmonic, cos(k w t) and sin(k w t) at the times at hand.
+    turns: Vec<[[f64; LANES]; 2]>,
 }
 
 /// Of one joint.
@@ -59,7 +61,7 @@ struct Bounds {
 
 impl<'a> WaveTube<'a> {
     fn new(wave: &'a Wave) -> Self {
-        let weights = wave.weights().iter();
+        let rows = wave.weights().row_iter();
         let slack = wave.slack();
         let bounds = (0..wave.joints().len())
             .map(|joint| {
@@ -78,69 +80,133 @@ impl<'a> WaveTube<'a> {
             .collect();
         Self {
             wave,
-            // Column-major: harmonic by harmonic, joint by joint.
-            terms: weights.map(|w| [2.0 * w.re, -2.0 * w.im]).collect(),
+            terms: rows
+                .flat_map(|row| {
+                    row.iter()
+                        .map(|w| [2.0 * w.re, -2.0 * w.im])
+                        .collect::<Vec<_>>()
+                })
+                .collect(),
             bounds,
+            turns: vec![[[0.0; LANES]; 2]; wave.harmonics()],
         }
     }
 
     /// Position, velocity and acceleration of all joints at four times, and the radii that follow.
     #[inline(always)]
     fn evaluate<S: Simd>(
-        &self,
+        &mut self,
         simd: S,
         middle: &[f64; LANES],
         half: &[f64; LANES],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
+        rows: &mut TubeRows,
     ) {
         let period = self.wave.period();
-        let w = self.wave.angular_frequency();
-        let (mut sin, mut cos, mut late) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut late = [0.0; LANES];
         for lane in 0..LANES {
-            let turns = middle[lane] / period;
-            (sin[lane], cos[lane]) = sin_cos(std::f64::consts::TAU * (turns - turns.floor()));
             // Dividing a late time by the period loses digits of the phase, and neighbouring intervals meet but for rounding.
             late[lane] = 8.0 * f64::EPSILON * (middle[lane].abs() + period);
         }
-        let step = [
+        let h = f64x4::load_array_ref(simd, half);
+        let late = f64x4::load_array_ref(simd, &late);
+        self.turn(simd, middle);
+        let joints = self.bounds.len();
+        let whole = joints - joints % TOGETHER;
+        for joint in (0..whole).step_by(TOGETHER) {
+            self.block::<S, TOGETHER>(simd, joint, [h, late], rows);
+        }
+        for joint in whole..joints {
+            self.block::<S, 1>(simd, joint, [h, late], rows);
+        }
+    }
+
+    /// The powers of exp(i w t): odd and even ones apart, so that neither waits for the other.
+    #[inline(always)]
+    fn turn<S: Simd>(&mut self, simd: S, middle: &[f64; LANES]) {
+        let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let turns = middle[lane] / self.wave.period();
+            (sin[lane], cos[lane]) = sin_cos(std::f64::consts::TAU * (turns - turns.floor()));
+        }
+        let one = [
             f64x4::load_array_ref(simd, &cos),
             f64x4::load_array_ref(simd, &sin),
         ];
-        let h = f64x4::load_array_ref(simd, half);
-        let late = f64x4::load_array_ref(simd, &late);
-        let joints = self.bounds.len();
-        let zero = f64x4::splat(simd, 0.0);
-        for (joint, bounds) in self.bounds.iter().enumerate() {
-            let [mut c, mut s] = step;
-            let (mut value, mut slope, mut curvature) = (zero, zero, zero);
-            let mut k = 1.0;
-            let mut at = joint;
-            while let Some([a, b]) = self.terms.get(at) {
-                let even = c * *a + s * *b;
-                let odd = c * *b - s * *a;
-                value += even;
-                slope += odd * k;
-                curvature += even * (k * k);
-                (c, s) = (c * step[0] - s * step[1], s * step[0] + c * step[1]);
-                k += 1.0;
-                at += joints;
+        let two = product(one, one);
+        let (mut odd, mut even) = (one, two);
+        for pair in self.turns.chunks_mut(2) {
+            odd[0].store_slice(&mut pair[0][0]);
+            odd[1].store_slice(&mut pair[0][1]);
+            if let Some(second) = pair.get_mut(1) {
+                even[0].store_slice(&mut second[0]);
+                even[1].store_slice(&mut second[1]);
             }
-            let [s0, s1, s2, s3] = bounds.sums;
-            let slope = slope.abs() * w + bounds.rounding[1];
-            let curvature = curvature.abs() * (w * w) + bounds.rounding[2];
-            let first = h * s1;
-            let second = h * (slope + h * (s2 / 2.0));
-            let third = h * (slope + h * (curvature * 0.5 + h * (s3 / 6.0)));
-            let moved = first
-                .min(second)
-                .min(third)
-                .min(f64x4::splat(simd, 2.0 * s0));
-            let widened = moved * (1.0 + 16.0 * f64::EPSILON) + late * s1 + bounds.rounding[0];
-            (value + bounds.offset).store_slice(&mut position[joint]);
-            widened.store_slice(&mut radius[joint]);
+            odd = product(odd, two);
+            even = product(even, two);
         }
     }
+
+    /// J joints from `first` on.
+    #[inline(always)]
+    fn block<S: Simd, const J: usize>(
+        &self,
+        simd: S,
+        first: usize,
+        [h, late]: [f64x4<S>; 2],
+        rows: &mut TubeRows,
+    ) {
+        let w = self.wave.angular_frequency();
+        let harmonics = self.turns.len();
+        let terms = &self.terms[first * harmonics..][..J * harmonics];
+        let zero = f64x4::splat(simd, 0.0);
+        let (mut value, mut slope, mut curvature) = ([zero; J], [zero; J], [zero; J]);
+        let mut k = 1.0;
+        for (i, [cos, sin]) in self.turns.iter().enumerate() {
+            let c = f64x4::load_array_ref(simd, cos);
+            let s = f64x4::load_array_ref(simd, sin);
+            for j in 0..J {
+                let [a, b] = terms[j * harmonics + i];
+                let even = c * a + s * b;
+                let odd = c * b - s * a;
+                value[j] += even;
+                slope[j] += odd * k;
+                curvature[j] += even * (k * k);
+            }
+            k += 1.0;
+        }
+        for j in 0..J {
+            let bounds = &self.bounds[first + j];
+            let [s0, s1, s2, s3] = bounds.sums;
+            let velocity = slope[j] * w;
+            let slope = velocity.abs() + bounds.rounding[1];
+            let curvature = curvature[j].abs() * (w * w) + bounds.rounding[2];
+            // How far it can be from its tangent, and from where it is.
+            let by_second = h * h * (s2 / 2.0);
+            let by_third = h * h * (curvature * 0.5 + h * (s3 / 6.0));
+            let bend = by_second.min(by_third);
+            let moved = (h * slope + bend)
+                .min(h * s1)
+                .min(f64x4::splat(simd, 2.0 * s0));
+            let rounding = late * s1 + bounds.rounding[0];
+            let bend = bend * OUTWARD + h * bounds.rounding[1] + rounding;
+            (value[j] + bounds.offset).store_slice(&mut rows.position[first + j]);
+            (moved * OUTWARD + rounding).store_slice(&mut rows.radius[first + j]);
+            velocity.store_slice(&mut rows.velocity[first + j]);
+            bend.store_slice(&mut rows.bend[first + j]);
+        }
+    }
+}
+
+/// A few dozen roundings.
+const OUTWARD: f64 = 1.0 + 16.0 * f64::EPSILON;
+
+/// Joints whose sums are formed together: with three, none waits for another, and all fit into sixteen registers.
+const TOGETHER: usize = 3;
+
+/// Of complex numbers.
+#[inline(always)]
+fn product<S: Simd>(a: [f64x4<S>; 2], b: [f64x4<S>; 2]) -> [f64x4<S>; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[1] * b[0] + a[0] * b[1]]
 }
 
 impl Tube for WaveTube<'_> {
@@ -155,21 +221,15 @@ impl Tube for WaveTube<'_> {
 
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
         let joints = self.bounds.len();
-        let (mut q, mut r) = (vec![[0.0; LANES]; joints], vec![[0.0; LANES]; joints]);
-        self.over_four(&[middle; LANES], &[half; LANES], &mut q, &mut r);
+        let mut rows = TubeRows::new(joints);
+        self.over_four(&[middle; LANES], &[half; LANES], &mut rows);
         for joint in 0..joints {
-            (position[joint], radius[joint]) = (q[joint][0], r[joint][0]);
+            (position[joint], radius[joint]) = (rows.position[joint][0], rows.radius[joint][0]);
         }
     }
 
-    fn over_four(
-        &mut self,
-        middle: &[f64; LANES],
-        half: &[f64; LANES],
-        position: &mut [[f64; LANES]],
-        radius: &mut [[f64; LANES]],
-    ) {
-        dispatch!(Level::new(), simd => self.evaluate(simd, middle, half, position, radius));
+    fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+        dispatch!(Level::new(), simd => self.evaluate(simd, middle, half, rows));
     }
 }
 
@@ -206,10 +266,14 @@ mod tests {
             for n in 0..50 {
                 let (middle, half) = (-4.0 + 0.31 * f64::from(n), 0.5 / f64::from(1 << (n % 12)));
                 tube.over(middle, half, &mut q, &mut r);
+                let mut rows = TubeRows::new(3);
+                tube.over_four(&[middle; LANES], &[half; LANES], &mut rows);
                 for i in 0..=20 {
                     let t = middle + half * (f64::from(i) / 10.0 - 1.0);
                     let at = wave.position(t);
                     for joint in 0..3 {
+                        let ahead = rows.velocity[joint][0] * (t - middle);
+                        assert!((at[joint] - q[joint] - ahead).abs() <= rows.bend[joint][0]);
                         assert!(
                             (at[joint] - q[joint]).abs() <= r[joint],
                             "{seed} {middle} {half}"
@@ -225,13 +289,12 @@ mod tests {
     #[test]
     fn vectors_of_any_width_give_the_same_bits() {
         let wave = wave(7);
-        let tube = wave.tube();
+        let mut tube = wave.tube();
         let middle = [0.1, 0.9, -2.0, 7.0];
         let half = [0.01, 0.1, 0.0, 2.0];
-        let at = |level: Level| {
-            let mut numbers = [[[0.0; LANES]; 3]; 2];
-            let [q, r] = &mut numbers;
-            dispatch!(level, simd => tube.evaluate(simd, &middle, &half, q, r));
+        let mut at = |level: Level| {
+            let mut numbers = TubeRows::new(3);
+            dispatch!(level, simd => tube.evaluate(simd, &middle, &half, &mut numbers));
             numbers
         };
         assert_eq!(at(Level::baseline()), at(Level::new()));

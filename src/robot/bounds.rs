@@ -89,8 +89,11 @@ pub(super) fn check(text: &str) -> Result<()> {
         } else if rest.starts_with("<![CDATA[") {
             counts.element(start)?;
             closed_by("]]>")
-        } else if rest.starts_with("<!") {
+        } else if rest.starts_with("<!DOCTYPE") {
             return Err(doctype(text, start));
+        } else if rest.starts_with("<!") {
+            // The parser goes no farther either.
+            break;
         } else if rest.starts_with("<?") {
             counts.element(start)?;
             closed_by("?>")
@@ -144,12 +147,11 @@ impl Counts<'_> {
         let mut own = 0;
         for (i, byte) in bytes.iter().enumerate().skip(start + 1) {
             match (quote, byte) {
-                (Some(q), b) => {
-                    if q == b {
-                        quote = None;
-                        gap = true;
-                    }
+                (Some(q), b) if q == b => {
+                    quote = None;
+                    gap = true;
                 }
+                (Some(_), _) => {}
                 (None, b'"' | b'\'') => quote = Some(byte),
                 (None, b'>') => {
                     if bytes[i - 1] != b'/' {

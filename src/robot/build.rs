@@ -124,7 +124,8 @@ pub(super) fn build(
         }
     }
     let mut notes = contents.notes;
-    notes.extend(contents.meshes.into_notes());
+    let (of_meshes, enclosures) = contents.meshes.finish();
+    notes.extend(of_meshes);
     let robot = Robot {
         name: urdf.name.clone(),
         joints: Joints::new(names)?,
@@ -133,6 +134,7 @@ pub(super) fn build(
         bodies,
         tip: 0,
         links: placed,
+        enclosures,
         notes,
     };
     robot.with_tip(options.tip.as_deref())

@@ -75,8 +75,18 @@ impl<'a> Contents<'a> {
                     .map(rgb)
                     .or_else(|| self.colors.get(m.name.as_str()).copied())
             });
-            if let Ok(shape) = primitive(&visual.geometry) {
-                body.visual.push(solid(&visual.origin, shape, color));
+            match primitive(&visual.geometry) {
+                Ok(shape) => body.visual.push(solid(&visual.origin, shape, color)),
+                // A mesh that collides too is read already; none is read for its looks alone.
+                Err(mesh) if collides(link, mesh) => {
+                    if let Ok(shapes) = self.meshes.shapes(mesh.0, &mesh.1).map_err(here)? {
+                        let drawn = shapes
+                            .into_iter()
+                            .map(|shape| solid(&visual.origin, shape, color));
+                        body.visual.extend(drawn);
+                    }
+                }
+                Err(_) => {}
             }
         }
         if body.visual.len() == visible {
@@ -154,6 +164,12 @@ fn primitive(geometry: &Geometry) -> std::result::Result<Shape, (&str, Vector3<f
             scale.map_or(Vector3::repeat(1.0), |s| Vector3::from(*s)),
         )),
     }
+}
+
+/// Whether a mesh is among the collision shapes of a link.
+fn collides(link: &urdf_rs::Link, mesh: (&str, Vector3<f64>)) -> bool {
+    let mut shapes = link.collision.iter().map(|c| primitive(&c.geometry));
+    shapes.any(|shape| shape.is_err_and(|other| other == mesh))
 }
 
 pub(super) fn rgb(color: &urdf_rs::Color) -> [f32; 3] {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::geometry::{Decomposition, Enclosure};
+
 /// How a robot is read. The default reads no mesh files and changes nothing.
 #[derive(Debug, Clone, Default)]
 pub struct LoadOptions {
@@ -11,6 +13,9 @@ pub struct LoadOptions {
     pub inertia: Inconsistent,
     /// How meshes become convex.
     pub convex: MeshConvex,
+    /// Whether to measure how closely hulls enclose their meshes, up to a second each:
+    /// [`Robot::enclosures`](crate::Robot::enclosures).
+    pub measure: bool,
     /// The link at the end of the chain that matters. Default: the end of the longest chain.
     pub tip: Option<String>,
 }
@@ -46,4 +51,17 @@ pub enum MeshConvex {
     /// One convex hull: encloses the mesh, and fills what is hollow.
     #[default]
     Hull,
+    /// Several hulls that together enclose the mesh, and leave more of what is hollow free.
+    Parts(Decomposition),
+}
+
+/// How closely the hulls of a mesh enclose it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshEnclosure {
+    /// The mesh's name in the URDF.
+    pub mesh: String,
+    /// How many hulls.
+    pub hulls: usize,
+    /// Volume and largest gap.
+    pub enclosure: Enclosure,
 }

@@ -35,7 +35,7 @@ impl Robot {
                 Error::new(
                     ErrorKind::Infeasible,
                     format!(
-                        "fewer than two bodies have collision shapes, none have {}",
+                        "fewer than two bodies have collision shapes; without are {}",
                         listed(&without)
                     ),
                 )

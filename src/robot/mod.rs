@@ -23,7 +23,7 @@ use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 pub use dynamics::{Dynamics, GRAVITY};
 use kinematics::Step;
 pub use kinematics::{Frame, Kinematics, Twist};
-pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshFiles};
+pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshEnclosure, MeshFiles};
 pub use srdf::{EndEffector, Group, Srdf};
 
 use crate::error::{Error, ErrorKind, Result};
@@ -53,6 +53,7 @@ pub struct Robot {
     links: Vec<Link>,
     /// Index of the link at the end of the chain that matters.
     tip: usize,
+    enclosures: Vec<MeshEnclosure>,
     notes: Vec<String>,
 }
 
@@ -125,7 +126,8 @@ pub struct Body {
     pub inertial: Option<Inertial>,
     /// Shapes that collide.
     pub collision: Vec<Solid>,
-    /// Shapes to be drawn: the visual primitives of its links, and where a link has none, its collision shapes.
+    /// Shapes to be drawn: the visual primitives of its links and the visual meshes that collide too, and where a link has
+    /// none, its collision shapes.
     pub visual: Vec<Solid>,
     /// Links whose collision geometry was not read, and why.
     pub unread_collision: Vec<String>,
@@ -203,6 +205,11 @@ impl Robot {
     /// Whether a joint is commanded itself, and does not mimic another.
     pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
         self.joints.name(joint.index) == joint.name
+    }
+
+    /// How closely hulls enclose their meshes, where [`LoadOptions::measure`] asked for it; in the order of the links.
+    pub fn enclosures(&self) -> &[MeshEnclosure] {
+        &self.enclosures
     }
 
     /// What was left out, normalised or read as not given.

@@ -1,17 +1,32 @@
-//! No wave is proven clear that touches, and none is said to touch that does not: against parry on a grid of a kilohertz.
+//! No motion is proven clear that touches, and none is said to touch that does not: against parry on a grid of a kilohertz.
+//!
+//! `UNDULATE_FULL=1` runs the fuzz in full: 100 000 waves on three robots, some hours.
 
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/dense.rs"]
 mod dense;
+mod halved;
+mod robots;
 #[path = "../common/waves.rs"]
 mod waves;
 
 use dense::Dense;
-use undulate::{Certification, CollisionModel, CollisionOptions, Robot, shipped, stream};
+use undulate::{
+    Certification, CollisionModel, CollisionOptions, HalfSpace, Robot, Scene, SceneObject,
+    SceneShape, Shape, Wave, nalgebra, shipped, stream,
+};
 use waves::random_wave;
 
-/// Of waves on one robot.
+/// As people wave: a period and its harmonics.
+const PERIOD: f64 = 6.7;
+const HARMONICS: usize = 26;
+/// Of samples \[Hz\].
+const RATE: f64 = 1000.0;
+/// Two ways of computing a distance may differ by this \[m\].
+const ROUNDING: f64 = 1e-9;
+
+/// How many waves came to what.
 #[derive(Default, Debug)]
 struct Tally {
     clear: usize,
@@ -19,19 +34,20 @@ struct Tally {
     undecided: usize,
 }
 
+/// Puts waves through the certificate and through samples.
 fn fuzz(robot: &Robot, model: &CollisionModel, seed: u64, waves: u64) -> Tally {
     let dense = Dense::new(robot, model);
     let mut prover = model.prover();
     let mut tally = Tally::default();
     for number in 0..waves {
-        let mut rng = stream(seed, number);
-        let wave = random_wave(robot, 26, 6.7, 0.6, &mut rng);
+        let wave = random_wave(robot, HARMONICS, PERIOD, 0.6, &mut stream(seed, number));
         match prover.certify(&wave, 0.0, &[]).unwrap() {
             Certification::Clear { bound, .. } => {
                 tally.clear += 1;
-                let sampled = dense.clearance(robot, &wave, 1000.0, bound.distance - 1e-9);
+                assert!(bound.distance > 0.0);
+                let sampled = dense.clearance(robot, &wave, RATE, bound.distance - ROUNDING);
                 assert!(
-                    sampled > 0.0 && sampled >= bound.distance - 1e-9,
+                    sampled >= bound.distance - ROUNDING,
                     "wave {number}: {bound:?}, sampled {sampled}"
                 );
             }
@@ -40,7 +56,7 @@ fn fuzz(robot: &Robot, model: &CollisionModel, seed: u64, waves: u64) -> Tally {
                 let q = wave.position(witness.time);
                 let sampled = dense.at(robot, q.as_slice(), f64::INFINITY);
                 assert!(
-                    sampled <= 1e-9,
+                    sampled <= ROUNDING,
                     "wave {number}: {witness:?}, sampled {sampled}"
                 );
             }
@@ -52,10 +68,229 @@ fn fuzz(robot: &Robot, model: &CollisionModel, seed: u64, waves: u64) -> Tally {
 
 #[test]
 fn no_false_certificate_and_no_false_rejection() {
-    let robot = shipped::robot("wave_arm").unwrap();
+    let full = std::env::var_os("UNDULATE_FULL").is_some();
+    let (mut clear, mut collides) = (0, 0);
+    for (name, robot, options, some) in robots::robots() {
+        let model = CollisionModel::new(&robot, &options).unwrap();
+        let waves = if full { 100_000 } else { some };
+        let tally = fuzz(&robot, &model, 1, waves);
+        println!("{name}: {waves} waves, {tally:?}");
+        assert!(1000 * tally.undecided < waves as usize, "{name}: {tally:?}");
+        clear += tally.clear;
+        collides += tally.collides;
+    }
+    assert!(clear > 0 && collides > 0);
+}
+
+#[test]
+fn the_minimum_is_between_its_bounds_and_no_sample_is_below() {
+    for (name, robot, options, _) in robots::robots() {
+        let model = CollisionModel::new(&robot, &options).unwrap();
+        let dense = Dense::new(&robot, &model);
+        let mut prover = model.prover();
+        for number in 0..8 {
+            let wave = random_wave(&robot, HARMONICS, PERIOD, 0.6, &mut stream(2, number));
+            let found = prover.minimum_clearance(&wave, 1e-4).unwrap();
+            assert!(
+                found.lower <= found.at.distance && found.at.distance <= found.lower + 1e-4,
+                "{name}: {found:?}"
+            );
+            let sampled = dense.clearance(&robot, &wave, 100.0, f64::NEG_INFINITY);
+            assert!(
+                sampled >= found.lower.max(0.0) - ROUNDING,
+                "{name} {number}: {found:?}, sampled {sampled}"
+            );
+            let there = dense.at(
+                &robot,
+                wave.position(found.at.time).as_slice(),
+                f64::INFINITY,
+            );
+            assert!(
+                (there - found.at.distance.max(0.0)).abs() < ROUNDING,
+                "{name} {number}: {found:?}, {there}"
+            );
+        }
+    }
+}
+
+/// Two balls of 0.1 m on arms of 1 m that turn about one post.
+fn carousel() -> Robot {
+    let arm = |name: &str| {
+        format!(
+            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
+        )
+    };
+    Robot::from_urdf(&format!(
+        r#"<robot name="carousel"><link name="post"/>{}{}</robot>"#,
+        arm("one"),
+        arm("two")
+    ))
+    .unwrap()
+}
+
+/// The first arm swings by `size` about the angle 0, the second stands at `angle`.
+fn swing(size: f64, angle: f64) -> Wave {
+    let weights = nalgebra::DMatrix::from_row_slice(
+        2,
+        1,
+        &[
+            undulate::num_complex::Complex::new(size / 2.0, 0.0),
+            undulate::num_complex::Complex::ZERO,
+        ],
+    );
+    let offsets = nalgebra::DVector::from_vec(vec![0.0, angle]);
+    Wave::new(carousel().joints().clone(), 2.0, offsets, weights).unwrap()
+}
+
+#[test]
+fn the_nearest_that_two_arms_come_is_a_chord() {
+    let robot = carousel();
     let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
-    let tally = fuzz(&robot, &model, 1, 300);
-    println!("wave_arm: {tally:?}");
-    assert!(tally.clear > 30 && tally.collides > 30, "{tally:?}");
-    assert!(tally.undecided == 0, "{tally:?}");
+    // At the turning point, angle 0.6 to 1.5: a chord of the unit circle less two radii.
+    let nearest = 2.0 * f64::sin(0.45) - 0.2;
+    let wave = swing(0.6, 1.5);
+    let found = model.minimum_clearance(&wave, 1e-6).unwrap();
+    assert!(
+        (found.at.distance - nearest).abs() < 1e-6
+            && found.lower <= nearest
+            && found.lower > nearest - 2e-6,
+        "{found:?}"
+    );
+    assert!(
+        (found.at.time - 0.0).abs().min((found.at.time - 2.0).abs()) < 1e-2,
+        "{found:?}"
+    );
+    let certify = |margin: f64, tolerance: &[f64]| model.certify(&wave, margin, tolerance).unwrap();
+    assert!(certify(nearest - 1e-6, &[]).is_clear());
+    assert!(matches!(
+        certify(nearest + 1e-6, &[]),
+        Certification::Collides { .. }
+    ));
+    // 0.1 rad of either arm is 0.1 m of its ball at most, of both 0.2 m.
+    assert!(certify(nearest - 0.21, &[0.1, 0.1]).is_clear());
+    assert!(matches!(
+        certify(nearest - 0.19, &[0.1, 0.1]),
+        Certification::Undecided { .. }
+    ));
+}
+
+#[test]
+fn overlap_is_measured_as_depth() {
+    let model = CollisionModel::new(&carousel(), &CollisionOptions::default()).unwrap();
+    let wave = swing(0.6, 0.65);
+    let found = model.minimum_clearance(&wave, 1e-6).unwrap();
+    let nearest = 2.0 * f64::sin(0.025) - 0.2;
+    assert!(
+        (found.at.distance - nearest).abs() < 1e-6,
+        "{found:?} {nearest}"
+    );
+    let Certification::Collides { witness, .. } = model.certify(&wave, 0.0, &[]).unwrap() else {
+        panic!("it touches");
+    };
+    assert!(witness.distance <= 0.0 && witness.pair == ("one".into(), "two".into()));
+}
+
+#[test]
+fn scenes_and_padding_are_kept_clear_of() {
+    let robot = carousel();
+    let wall = |offset: f64| {
+        let shape = SceneShape::HalfSpace(HalfSpace::new(nalgebra::Vector3::x(), offset).unwrap());
+        let post = SceneShape::Solid(
+            Shape::Cylinder {
+                radius: 0.05,
+                length: 4.0,
+            },
+            nalgebra::Isometry3::translation(1.5, 0.0, 0.0),
+        );
+        let objects =
+            [("wall", shape), ("post of a lamp", post)].map(|(name, shape)| SceneObject {
+                name: name.to_owned(),
+                shape,
+            });
+        Scene::new(objects.to_vec()).unwrap()
+    };
+    // The second arm stands at pi / 2, the first swings between -0.5 and 0.5: x of its ball is cos 0.5 at least.
+    let wave = swing(0.5, std::f64::consts::FRAC_PI_2);
+    let with = |offset: f64, padding: f64| {
+        let options = CollisionOptions {
+            scene: wall(offset),
+            padding,
+            ..CollisionOptions::default()
+        };
+        CollisionModel::new(&robot, &options).unwrap()
+    };
+    // Behind the wall is x <= offset; the second arm's ball is at x = 0.
+    let found = with(-0.5, 0.0).minimum_clearance(&wave, 1e-6).unwrap();
+    // To the post of the lamp: 1.5 - 1 - 0.1 - 0.05.
+    assert!((found.at.distance - 0.35).abs() < 1e-6, "{found:?}");
+    assert_eq!(found.at.pair, ("post of a lamp".into(), "one".into()));
+    assert!(found.at.is_with_scene);
+    let found = with(-0.3, 0.0).minimum_clearance(&wave, 1e-6).unwrap();
+    assert!((found.at.distance - 0.2).abs() < 1e-6, "{found:?}");
+    assert_eq!(found.at.pair, ("wall".into(), "two".into()));
+    let padded = with(-0.3, 0.15).minimum_clearance(&wave, 1e-6).unwrap();
+    assert!((padded.at.distance - 0.05).abs() < 1e-6, "{padded:?}");
+    assert!(
+        !with(-0.3, 0.25)
+            .certify(&wave, 0.0, &[])
+            .unwrap()
+            .is_clear()
+    );
+}
+
+#[test]
+fn pairs_say_why_they_are_checked() {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let base = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+    let (a, b) = base
+        .pairs()
+        .iter()
+        .find(|p| p.is_checked())
+        .unwrap()
+        .names
+        .clone();
+    let status = |options: &CollisionOptions| {
+        let model = CollisionModel::new(&robot, options).unwrap();
+        let pair = model
+            .pairs()
+            .iter()
+            .find(|p| p.names == (a.clone(), b.clone()))
+            .unwrap();
+        pair.status.to_string()
+    };
+    let disabled = vec![(b.clone(), a.clone(), Some("Never".to_owned()))];
+    let left_out = vec![(b.clone(), a.clone())];
+    let default = CollisionOptions::default;
+    assert_eq!(
+        status(&CollisionOptions {
+            disabled: disabled.clone(),
+            ..default()
+        }),
+        "disabled by an SRDF: Never"
+    );
+    assert_eq!(
+        status(&CollisionOptions {
+            left_out: left_out.clone(),
+            ..default()
+        }),
+        "left out by the caller"
+    );
+    assert_eq!(
+        status(&CollisionOptions {
+            disabled,
+            kept: left_out,
+            ..default()
+        }),
+        "checked"
+    );
+    let unknown = CollisionOptions {
+        left_out: vec![("ghost".to_owned(), a)],
+        ..default()
+    };
+    let error = CollisionModel::new(&robot, &unknown)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(error.contains("no link or object `ghost`"), "{error}");
 }

@@ -32,8 +32,9 @@ impl Outcome {
         assert_eq!(found.len(), expected.len(), "{key}");
         let scale = expected.iter().fold(1.0, |s: f64, x| s.max(x.abs()));
         for (f, e) in found.iter().zip(expected) {
-            // A comparison that no number passes.
-            if !((f - e).abs() < TOLERANCE * scale) {
+            // False where one is no number.
+            let agrees = (f - e).abs() < TOLERANCE * scale;
+            if !agrees {
                 self.wrong.push(format!("{key}: {f} {e}, scale {scale}"));
             }
         }

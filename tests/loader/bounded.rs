@@ -22,7 +22,6 @@ pub struct Told {
     pub refused: Option<String>,
     /// Why collision and dynamics are refused, where the file was loaded.
     pub missing: [String; 2],
-    pub notes: String,
     pub links: usize,
     pub shapes: usize,
     /// Largest resident memory \[kB\]; 0 where the system does not tell.
@@ -45,16 +44,6 @@ fn child() {
             };
             line("collision", &missing(robot.require_collision()));
             line("dynamics", &missing(robot.require_dynamics()));
-            line(
-                "notes",
-                &robot
-                    .notes()
-                    .iter()
-                    .take(20)
-                    .cloned()
-                    .collect::<Vec<_>>()
-                    .join("; "),
-            );
             line("links", &robot.links().len().to_string());
             let shapes: usize = robot.bodies().iter().map(|b| b.collision.len()).sum();
             line("shapes", &shapes.to_string());
@@ -104,7 +93,6 @@ pub fn load(file: &Path) -> Told {
     let told = Told {
         refused: get("refused"),
         missing: ["collision", "dynamics"].map(|key| get(key).unwrap_or_default()),
-        notes: get("notes").unwrap_or_default(),
         links: count("links"),
         shapes: count("shapes"),
         memory: count("memory") as u64,

@@ -22,7 +22,7 @@ const HAS: [(&str, bool, bool); 10] = [
     ("kuka_kr16_2", true, true),
     ("franka_panda", false, false),
     ("kinova_gen3_2f85", false, true),
-    ("pepper", false, false),
+    ("pepper", false, true),
     ("wx250s_6dof", true, true),
 ];
 

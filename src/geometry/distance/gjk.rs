@@ -95,12 +95,12 @@ pub(super) fn walk<S: Simd>(
             break;
         }
         // The foot on a sliver's plane may be off the sliver: what counts is the distance of points that are in the cores.
-        walk.upper = if walk.simplex.vertices().len() == 3 {
+        walk.upper = walk.upper.min(if walk.simplex.vertices().len() == 3 {
             let [a, b] = walk.simplex.witnesses();
             (b - a).norm()
         } else {
             walk.norm
-        };
+        });
         let u = nearest.v / walk.norm;
         let (vertex, value) = support(simd, cores, relative, &u);
         if value <= walk.lower && !nearer {
@@ -119,7 +119,9 @@ pub(super) fn walk<S: Simd>(
         }
         walk.simplex.push(vertex);
     }
-    warm.direction = walk.normal;
+    if walk.lower > f64::NEG_INFINITY {
+        warm.direction = walk.normal;
+    }
     warm.remember(&walk.simplex);
     walk
 }

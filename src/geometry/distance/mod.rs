@@ -19,7 +19,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 pub use half_space::HalfSpace;
-pub(crate) use rough::rough_separation;
+pub use rough::rough_separation;
 pub use warm::Warm;
 
 use super::convex::{Placed, dot, turn, turn_back};
@@ -87,7 +87,8 @@ pub fn separation(a: Placed, b: Placed, warm: &mut Warm, threshold: f64) -> Sepa
 
 /// Whether `a` and `b` touch or overlap, or are so near that rounding cannot tell.
 pub fn intersects(a: Placed, b: Placed, warm: &mut Warm) -> bool {
-    !(separation(a, b, warm, 0.0).lower > 0.0)
+    // A lower bound is never NaN.
+    separation(a, b, warm, 0.0).lower <= 0.0
 }
 
 /// Signed distance and nearest points of `a` and `b`, to 1e-9 m for shapes of metres.
@@ -107,6 +108,7 @@ pub(crate) fn separation_with<S: Simd>(
     let margins = a.convex.margin() + b.convex.margin();
     let offset = b.placement.translation - a.placement.translation;
     let slack = slack(a, b, &offset);
+    let mut known = f64::NEG_INFINITY;
     if warm.direction != Vector3::zeros() {
         let lower = plane(simd, a, b, &offset, &warm.direction) - margins - slack;
         if lower > threshold && lower.is_finite() {
@@ -115,6 +117,7 @@ pub(crate) fn separation_with<S: Simd>(
                 upper: f64::INFINITY,
             };
         }
+        known = lower;
     }
     let relative = Relative::new(a, b, &offset);
     if !relative.is_finite() {
@@ -131,7 +134,11 @@ pub(crate) fn separation_with<S: Simd>(
         lower - margins - slack > threshold || upper - margins + slack <= threshold
     });
     let upper = if walk.inside { 0.0 } else { walk.upper };
-    Separation::checked(walk.lower - margins - slack, upper - margins + slack)
+    let lower = walk.lower - margins - slack;
+    Separation::checked(
+        if known > lower { known } else { lower },
+        upper - margins + slack,
+    )
 }
 
 /// The value of the plane across `u`, a unit vector in A's frame: no more than the signed distance of the cores, but for
@@ -237,3 +244,6 @@ impl Relative {
         (self.size + self.rotation.iter().sum::<f64>()).is_finite()
     }
 }
+
+#[cfg(test)]
+mod tests;

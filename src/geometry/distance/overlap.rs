@@ -31,7 +31,7 @@ pub(super) fn overlap(
         (vertex, -value)
     };
     let found = epa::penetration(&mut support, walk.simplex.vertices(), relative.size);
-    if !walk.inside && !(found.depth > -walk.norm) {
+    if !walk.inside && found.depth <= -walk.norm {
         // The walk was right: they are apart.
         return walk.apart();
     }
@@ -59,7 +59,7 @@ pub(super) fn overlap(
         let normal = walk.normal;
         let distance = -support(&-normal).1;
         let gain = distance - nearest.distance;
-        if !(gain > 0.0) {
+        if gain <= 0.0 {
             break;
         }
         nearest.normal = normal;

@@ -84,8 +84,7 @@ impl Polytope {
         let [p, q, r] = corners.map(|c| self.vertices[c].w);
         let normal = (q - p).cross(&(r - p));
         let length = normal.norm();
-        // Not so for NaN either.
-        if !(length > f64::MIN_POSITIVE) {
+        if length.is_nan() || length <= f64::MIN_POSITIVE {
             return None;
         }
         let normal = normal / length;

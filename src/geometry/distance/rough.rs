@@ -6,18 +6,18 @@ use crate::geometry::convex::{Placed, dot, turn};
 /// A lower bound of the signed distance of `a` and `b` in some nanoseconds: by the balls around them and, when these are no
 /// farther apart than `threshold` \[m\], by the capsules.
 #[inline(always)]
-pub(crate) fn rough_separation(a: Placed, b: Placed, threshold: f64) -> f64 {
+pub fn rough_separation(a: Placed, b: Placed, threshold: f64) -> f64 {
     let (ra, rb) = (&a.placement.rotation, &b.placement.rotation);
     let offset = b.placement.translation - a.placement.translation;
     let slack = slack(a, b, &offset);
     let (p, q) = (a.convex.ball(), b.convex.ball());
     let way = turn(rb, &q.center) + offset - turn(ra, &p.center);
     let by_balls = dot(&way, &way).sqrt() - (p.radius + q.radius) - slack;
+    if !by_balls.is_finite() {
+        return f64::NEG_INFINITY;
+    }
     if by_balls > threshold {
         return by_balls;
-    }
-    if by_balls.is_nan() {
-        return f64::NEG_INFINITY;
     }
     let (p, q) = (a.convex.capsule(), b.convex.capsule());
     let ends = [

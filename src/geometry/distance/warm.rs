@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::Relative;
 use super::simplex::{Simplex, Vertex};
 use super::support::SMOOTH;
-use crate::geometry::convex::{Core, dot, turn};
+use crate::geometry::convex::{Core, Placement, dot, turn};
 
 /// Where the last question about a pair ended: the next one starts there.
 ///
@@ -30,6 +30,12 @@ impl Default for Warm {
 }
 
 impl Warm {
+    /// In the world, with the placement of A; `None` when nothing is known. Of unit length but for rounding.
+    pub(crate) fn direction(&self, a: &Placement) -> Option<Vector3<f64>> {
+        let length = self.direction.norm();
+        (length > 0.0).then(|| a.rotation * (self.direction / length))
+    }
+
     /// A direction alone.
     pub(super) fn towards(direction: Vector3<f64>) -> Self {
         Self {

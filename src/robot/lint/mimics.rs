@@ -14,7 +14,7 @@ impl<'a> Xml<'a> {
         let mut passed: HashMap<NodeId, NodeId> = HashMap::new();
         for start in root.children().filter(|n| n.has_tag_name("joint")) {
             let mut at = start;
-            while passed.get(&at.id()).is_none() {
+            while !passed.contains_key(&at.id()) {
                 passed.insert(at.id(), start.id());
                 match self.leader(at, joints).map_err(|e| self.inside(e, at))? {
                     Some((mimic, leader)) if passed.get(&leader.id()) == Some(&start.id()) => {

@@ -21,6 +21,9 @@ use crate::error::{Error, ErrorKind, Result, listed};
 /// Bytes of an attribute that is read, paths of meshes among them.
 pub(in crate::robot) const LONGEST: usize = 4096;
 
+/// Links of a robot: kinematics, dynamics and descriptions hold about 1 kB for each.
+const MOST_LINKS: usize = 30_000;
+
 /// What is let pass, and has to be told: for a link whose inertia no body has, what is wrong and in which line.
 pub(in crate::robot) type Doubtful = HashMap<String, String>;
 
@@ -63,6 +66,11 @@ pub(in crate::robot) fn lint(document: &Document, inertia: Inconsistent) -> Resu
     let links = xml.named(root, "link")?;
     if links.is_empty() {
         return Err(xml.refuse(root, "no links").expected("at least one <link>"));
+    }
+    if links.len() > MOST_LINKS {
+        return Err(xml
+            .refuse(root, format!("{} links", links.len()))
+            .expected(format!("at most {MOST_LINKS}")));
     }
     let joints = xml.named(root, "joint")?;
     let mut doubtful = Doubtful::new();

@@ -11,18 +11,24 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 
 use self::paths::{Roots, embedded, shown};
-use super::load::{LoadOptions, MeshConvex, MeshFiles};
+use super::load::{LoadOptions, MeshConvex, MeshEnclosure, MeshFiles};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geometry::{Hull, Mesh, Shape};
 
 /// Bytes of one mesh file: in memory a mesh takes a few times as much.
-const LARGEST_FILE: u64 = 24 << 20;
+const LARGEST_FILE: u64 = 16 << 20;
 
 /// Bytes read for one robot: a file is read again for each scale.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// Corners of all hulls of one robot.
 const MOST_CORNERS: usize = 400_000;
+
+/// Vertices of a mesh that are enclosed at a time.
+const PIECE: usize = 1 << 16;
+
+/// Corners that the pieces of one mesh may have together.
+const MOST_OF_ONE: usize = 200_000;
 
 /// Pairs of name and scale that are looked for.
 const MOST_MESHES: usize = 4096;
@@ -39,6 +45,7 @@ pub(super) struct Meshes<'a> {
     bytes: u64,
     corners: usize,
     notes: Vec<String>,
+    enclosures: Vec<MeshEnclosure>,
 }
 
 /// Where a mesh was found.
@@ -60,12 +67,13 @@ impl<'a> Meshes<'a> {
             bytes: 0,
             corners: 0,
             notes: Vec::new(),
+            enclosures: Vec::new(),
         })
     }
 
-    /// Names that were not found as they stand.
-    pub fn into_notes(self) -> Vec<String> {
-        self.notes
+    /// What is told of names that were not found as they stand, and what was measured.
+    pub fn finish(self) -> (Vec<String>, Vec<MeshEnclosure>) {
+        (self.notes, self.enclosures)
     }
 
     /// The convex shapes of the mesh that is called `name` in the URDF, stretched by `scale`.
@@ -82,9 +90,7 @@ impl<'a> Meshes<'a> {
         }
         let outcome = match self.source(name) {
             Err(why) => Err(why),
-            Ok(source) => self
-                .read(&source, name, scale)
-                .map_err(|e| e.at(format!("mesh {}", shown(name))))?,
+            Ok(source) => self.read(&source, name, scale)?,
         };
         self.known.insert(key, outcome.clone());
         Ok(outcome)
@@ -111,30 +117,36 @@ impl<'a> Meshes<'a> {
     }
 
     fn read(&mut self, source: &Source, name: &str, scale: &Vector3<f64>) -> Result<Outcome> {
-        let owned;
-        let (bytes, called): (&[u8], &str) = match source {
-            Source::Program(bytes) => (bytes, name),
-            Source::File(path) => {
-                owned = match self.content(path)? {
-                    Ok(bytes) => bytes,
-                    Err(why) => return Ok(Err(why)),
-                };
-                (&owned, path.to_str().unwrap_or(name))
-            }
+        let read = match source {
+            Source::Program(bytes) => Mesh::read(&shown(name), bytes),
+            Source::File(path) => match self.content(path)? {
+                Ok(bytes) => Mesh::read(&shown(name), &bytes),
+                Err(why) => return Ok(Err(why)),
+            },
         };
-        // By the extension alone: places are added here.
-        let called = called.rsplit(['/', '\\']).next().unwrap_or(called);
-        let mesh = match Mesh::read(called, bytes) {
+        let mesh = match read {
             Ok(mesh) => mesh,
             Err(e) if e.kind() == ErrorKind::Unsupported => return Ok(Err(e.what().to_owned())),
             Err(e) => return Err(e),
         };
-        let hulls = match self.options.convex {
-            MeshConvex::Hull => mesh
-                .hull()
-                .and_then(|hull| Ok(vec![stretched(&hull, scale)?])),
+        let made = match (&self.options.convex, self.options.measure) {
+            (MeshConvex::Hull, false) => hull(mesh, scale).map(|hull| vec![hull]),
+            (convex, measure) => stretched(mesh, scale).and_then(|mesh| {
+                let hulls = match convex {
+                    MeshConvex::Hull => vec![mesh.hull()?],
+                    MeshConvex::Parts(settings) => mesh.decomposed(settings)?,
+                };
+                if measure {
+                    self.enclosures.push(MeshEnclosure {
+                        mesh: name.to_owned(),
+                        hulls: hulls.len(),
+                        enclosure: mesh.enclosure(&hulls),
+                    });
+                }
+                Ok(hulls)
+            }),
         };
-        let hulls = match hulls {
+        let hulls = match made {
             Ok(hulls) => hulls,
             Err(e) => return Ok(Err(e.to_string())),
         };
@@ -179,12 +191,30 @@ fn beyond(what: String) -> Error {
         .help("simplify the collision meshes")
 }
 
-/// A linear map takes hulls to hulls, so the corners of one are enough.
-fn stretched(hull: &Hull, scale: &Vector3<f64>) -> Result<Hull> {
-    if *scale == Vector3::repeat(1.0) {
-        return Ok(hull.clone());
+fn stretched(mesh: Mesh, scale: &Vector3<f64>) -> Result<Mesh> {
+    match *scale == Vector3::repeat(1.0) {
+        true => Ok(mesh),
+        false => mesh.scaled(scale),
     }
+}
+
+/// The hull of a stretched mesh. The hull of hulls is the hull of all: large meshes are enclosed piece by piece, which
+/// takes memory for a piece and for the corners of the whole, not for all that lies inside.
+fn hull(mesh: Mesh, scale: &Vector3<f64>) -> Result<Hull> {
     let corner = |v: &Point3<f64>| Point3::from(v.coords.component_mul(scale));
-    let corners: Vec<_> = hull.vertices().iter().map(corner).collect();
+    let mut corners: Vec<Point3<f64>> = mesh.vertices().iter().map(corner).collect();
+    drop(mesh);
+    if corners.len() > PIECE {
+        let mut kept = Vec::new();
+        for piece in corners.chunks(PIECE) {
+            kept.extend_from_slice(Hull::new(piece)?.vertices());
+            if kept.len() > MOST_OF_ONE {
+                let what = format!("a hull of more than {MOST_OF_ONE} corners");
+                return Err(Error::new(ErrorKind::Value, what)
+                    .expected("a mesh that is simple enough to collide with"));
+            }
+        }
+        corners = kept;
+    }
     Hull::new(&corners)
 }
