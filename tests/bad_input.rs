@@ -228,7 +228,10 @@ fn bad_models_waves_and_robots_are_named() {
         ),
         ("sample model.json -n 0 -o x", "0 waves"),
         ("sample model.json --csv 0 -o x.json", "--csv 0"),
-        ("check wave.json --robot wave_arm --step 0", "step of 0 m"),
+        (
+            "check wave.json --robot wave_arm --accuracy 0",
+            "accuracy of 0 m",
+        ),
         (
             "check wave.json --robot wave_arm --leave-out base",
             "expected LINK:LINK",

@@ -99,7 +99,7 @@ fn from_the_demonstrator_to_the_robot() {
     assert_ne!(read("wave.json"), read("waves/wave_0001.json"));
     let checked = json(at, &["check", "wave.json", "--robot", "wave_arm"]);
     assert_eq!(checked["passes"], true);
-    assert!(checked["collision"]["clearance_m"].as_f64().unwrap() > 0.01);
+    assert!(checked["collision"]["clearance_m"][0].as_f64().unwrap() > 0.01);
     let simulated = json(
         at,
         &[
@@ -254,6 +254,8 @@ fn every_verb_has_help_with_an_example() {
         "sample",
         "trajectory",
         "check",
+        "verify",
+        "screen",
         "simulate",
         "map",
     ] {

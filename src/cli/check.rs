@@ -26,7 +26,7 @@ const COLUMNS: usize = 600;
 /// How exactly a figure tells the clearance \[m\].
 const DRAWN: f64 = 2e-4;
 /// Width and height of a panel of the figure \[px\].
-const PANEL: (u32, u32) = (900, 320);
+const PANEL: (u32, u32) = (900, 360);
 
 /// Check a wave or a recorded move on a robot: limits, and a proof that it keeps clear of itself and of a scene.
 #[derive(Args)]

@@ -234,14 +234,7 @@ impl MoveArguments {
         }
         let moves = waypoints.for_joints(joints, &hold)?;
         let start = self.start(joints, &named, &stated, &hold)?;
-        let spline = Spline::new(&moves, start).map_err(|e| {
-            if e.reason() == Some(Reason::StartUnknown) {
-                return e.help(
-                    "say so with --from-first-waypoint, or where it starts with --at for each of its joints",
-                );
-            }
-            e
-        })?;
+        let spline = Spline::new(&moves, start)?;
         let unnamed = (0..joints.len()).filter(|j| !named[*j]);
         Ok(Loaded {
             warnings: spline.notes(),

@@ -29,7 +29,8 @@ pub(super) struct Arguments {
     /// The certificate that `undulate check --certificate` wrote.
     certificate: PathBuf,
     /// The motion that it is of.
-    motion: PathBuf,
+    #[arg(value_name = "MOTION")]
+    of: PathBuf,
     #[command(flatten)]
     robot: RobotArguments,
     #[command(flatten)]
@@ -55,7 +56,7 @@ fn look(arguments: &Arguments, json: bool) -> Result<Outcome> {
     })?;
     let target = &arguments.robot;
     let robot = target.reading.robot(&target.robot)?;
-    let mut motions = arguments.moves.open(&arguments.motion, &robot, target);
+    let mut motions = arguments.moves.open(&arguments.of, &robot, target);
     let (name, loaded) = match (motions.pop(), motions.is_empty()) {
         (Some(one), true) => one,
         _ => {

@@ -11,7 +11,7 @@ const NARROWEST: f64 = 0.004;
 /// The clearance of one motion.
 #[derive(Debug, Clone, Copy)]
 pub struct ClearanceCourse<'a> {
-    /// Title of its panel.
+    /// What its panel is called, besides its worst pair; may be empty.
     pub title: &'a str,
     /// Its smallest clearance on intervals that follow each other, at least one.
     pub profile: &'a [ProfileInterval],
@@ -22,7 +22,7 @@ pub struct ClearanceCourse<'a> {
 }
 
 /// Clearance in mm over time in s, a panel a motion in `columns` of them: between what is proven and what is reached there is a
-/// band, most often thin; the pair that comes nearest is named, and stretches that stay undecided are marked. `size` in px.
+/// band, most often thin; the pair that comes nearest is named where it does, and stretches that stay undecided are marked. `size` in px.
 ///
 /// # Errors
 /// When a motion has no intervals, or the panels have no room.
@@ -33,13 +33,12 @@ pub fn clearance(
 ) -> Result<Picture> {
     let plots = courses
         .iter()
-        .enumerate()
-        .map(|(panel, course)| panel_of(course, panel == 0))
+        .map(|course| panel_of(course, courses.len() == 1))
         .collect::<Result<Vec<_>>>()?;
     plot::draw(&plots, columns, size)
 }
 
-fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
+fn panel_of(course: &ClearanceCourse<'_>, is_alone: bool) -> Result<Plot> {
     let none = || Error::new(ErrorKind::Shape, "a course of no intervals");
     let (first, last) = (
         course.profile.first().ok_or_else(none)?,
@@ -50,9 +49,9 @@ fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
         .iter()
         .min_by(|a, b| a.nearest.distance.total_cmp(&b.nearest.distance))
         .unwrap_or(first);
-    // One legend, in the first panel, is for all, but for what has a name of its own in each.
+    // Beside others a panel has no room for a legend.
     let label = |text: &str| {
-        if is_first {
+        if is_alone {
             text.to_owned()
         } else {
             String::new()
@@ -68,11 +67,9 @@ fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
     let (lower, upper) = (steps(|i| i.lower), steps(|i| i.nearest.distance));
     let margin = 1e3 * course.margin;
     let ends = lower.iter().chain(&upper).map(|p| p.1);
-    let (low, high) = ends.fold((margin.min(0.0), margin), |(low, high), y| {
+    let (low, high) = ends.fold((0.0_f64, margin), |(low, high), y| {
         (low.min(y), high.max(y))
     });
-    let room = 0.05 * f64::max(high - low, 1e-3);
-    let y_range = (low - room, high + room);
     let duration = last.to - first.from;
 
     let mut series = Vec::new();
@@ -87,25 +84,27 @@ fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
             },
             color: Color::VERMILION,
             mark: Mark::Band {
-                lower: ends.map(|t| (t, y_range.0)).to_vec(),
-                upper: ends.map(|t| (t, y_range.1)).to_vec(),
+                lower: ends.map(|t| (t, low)).to_vec(),
+                upper: ends.map(|t| (t, high)).to_vec(),
+            },
+        });
+    }
+    let mut lines = vec![("contact", 0.0, Color::GREY)];
+    if course.margin > 0.0 {
+        lines.push(("margin", margin, Color::VERMILION));
+    }
+    for (text, height, color) in lines {
+        series.push(Series {
+            label: label(text),
+            color,
+            mark: Mark::Line {
+                points: vec![(first.from, height), (last.to, height)],
+                width: 1,
             },
         });
     }
     series.push(Series {
-        label: label(if course.margin > 0.0 {
-            "margin"
-        } else {
-            "contact"
-        }),
-        color: Color::VERMILION,
-        mark: Mark::Line {
-            points: vec![(first.from, margin), (last.to, margin)],
-            width: 1,
-        },
-    });
-    series.push(Series {
-        label: label("proven to reached"),
+        label: label("reached"),
         color: Color::BLUE.with_alpha(0.8),
         mark: Mark::Band {
             lower: lower.clone(),
@@ -121,15 +120,10 @@ fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
         },
     });
     let at = (worst.nearest.time, 1e3 * worst.nearest.distance);
-    let cross = 0.008 * duration;
-    let up = 0.02 * (y_range.1 - y_range.0);
-    for (i, (dx, dy)) in [(cross, up), (cross, -up)].into_iter().enumerate() {
+    let (across, up) = (0.006 * duration, 0.025 * (high - low));
+    for (dx, dy) in [(across, up), (across, -up)] {
         series.push(Series {
-            label: if i == 0 {
-                format!("{} and {}", worst.nearest.pair.0, worst.nearest.pair.1)
-            } else {
-                String::new()
-            },
+            label: String::new(),
             color: Color::BLACK,
             mark: Mark::Line {
                 points: vec![(at.0 - dx, at.1 - dy), (at.0 + dx, at.1 + dy)],
@@ -137,12 +131,18 @@ fn panel_of(course: &ClearanceCourse<'_>, is_first: bool) -> Result<Plot> {
             },
         });
     }
+    let (a, b) = &worst.nearest.pair;
+    let named = format!("{a} and {b}, {:.2} mm at {:.3} s", at.1, at.0);
     Ok(Plot {
-        title: course.title.to_owned(),
+        title: match course.title {
+            "" => named,
+            title => format!("{title}: {named}"),
+        },
         x_label: "time (s)".into(),
         y_label: "clearance (mm)".into(),
         x_range: Some((first.from, last.to)),
-        y_range: Some(y_range),
+        // With room for the legend.
+        y_range: None,
         series,
     })
 }

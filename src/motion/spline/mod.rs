@@ -206,7 +206,7 @@ fn start_unknown(first: f64) -> Error {
     )
     .because(Reason::StartUnknown)
     .expected("a waypoint at time 0")
-    .help("say where the robot starts, or that it stands at the first waypoint")
+    .help("say where the robot starts (--at), or that it stands at the first waypoint (--from-first-waypoint)")
 }
 
 fn require_near(joints: &Joints, posture: &[f64], first: &[f64]) -> Result<()> {
