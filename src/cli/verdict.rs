@@ -227,7 +227,12 @@ fn limit_row(limit: &LimitUse) -> Vec<String> {
     let shown = |x: f64| {
         let x = scale * x;
         if x.abs() < 1e6 {
-            format!("{x:.digits$}")
+            let text = format!("{x:.digits$}");
+            // What is zero but for rounding has no sign.
+            match text.strip_prefix('-') {
+                Some(zero) if zero.bytes().all(|b| b == b'0' || b == b'.') => zero.to_owned(),
+                _ => text,
+            }
         } else {
             format!("{x:.1e}")
         }
@@ -248,6 +253,8 @@ fn limit_row(limit: &LimitUse) -> Vec<String> {
         ),
         if excess == 0.0 {
             "ok".to_owned()
+        } else if limit.reason() == Some(Reason::VelocityJump) {
+            format!("velocity jumps at {:.3} s", limit.worst_time())
         } else {
             let shown = shown(excess);
             // What is too little for the digits is not shown as nothing.
