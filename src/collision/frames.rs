@@ -267,11 +267,8 @@ impl<S: Simd> Poses<S> {
     /// A constant vector of the body's frame in the base's.
     #[inline(always)]
     fn turned(&self, v: &[f64; 3]) -> V3<S> {
-        let mut rows = self.x.0;
-        for i in 0..3 {
-            rows[i] = self.x.0[i] * v[0] + self.y.0[i] * v[1] + self.z.0[i] * v[2];
-        }
-        V3(rows)
+        let row = |i: usize| self.x.0[i] * v[0] + self.y.0[i] * v[1] + self.z.0[i] * v[2];
+        V3([row(0), row(1), row(2)])
     }
 
     /// A constant point of the body's frame in the base's.

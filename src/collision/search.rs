@@ -434,13 +434,13 @@ impl Found {
     ) -> u8 {
         let bar = self.bar();
         let mut open = lanes;
-        for lane in 0..LANES {
+        for (lane, time) in middle.iter().enumerate() {
             if lanes >> lane & 1 == 1 && bounds.lower[lane] > bar {
                 open &= !(1 << lane);
                 self.proven(At {
                     distance: bounds.lower[lane],
                     pair,
-                    time: middle[lane],
+                    time: *time,
                 });
                 self.keep(lane, count, pair);
             }
