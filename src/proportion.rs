@@ -100,17 +100,22 @@ fn by_fraction(x: f64, a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// P(X >= k) for n trials of probability p, term by term.
+    /// P(X >= k) for n trials of probability p, term by term, from the end that does not underflow.
     fn at_least(k: u64, n: u64, p: f64) -> f64 {
-        let mut term = (1.0 - p).powi(n as i32);
-        let mut sum = 0.0;
-        for i in 0..=n {
-            if i >= k {
+        let below = |k: u64, p: f64| {
+            let mut term = (1.0 - p).powi(n as i32);
+            let mut sum = 0.0;
+            for i in 0..k {
                 sum += term;
+                term *= (n - i) as f64 / (i + 1) as f64 * p / (1.0 - p);
             }
-            term *= (n - i) as f64 / (i + 1) as f64 * p / (1.0 - p);
+            sum
+        };
+        if p < 0.5 {
+            1.0 - below(k, p)
+        } else {
+            below(n - k + 1, 1.0 - p)
         }
-        sum
     }
 
     #[test]
