@@ -101,6 +101,7 @@ impl Wave {
     }
 
     /// [`harmonic_sum`](Self::harmonic_sum) for n = 0 to 3.
+    #[cfg(feature = "robot")]
     pub(crate) fn harmonic_sums(&self, joint: usize) -> [f64; 4] {
         let w = self.angular_frequency();
         let mut sums = [0.0; 4];

@@ -44,7 +44,7 @@ impl Hull {
     /// The convex hull of `points` \[m\].
     ///
     /// # Errors
-    /// No points, coordinates that are not finite or beyond [`FARTHEST`], or points that would take too long
+    /// No points, coordinates that are not finite or beyond 1e6 m, or points that would take too long
     /// (hundreds of thousands of corners, placed for it).
     pub fn new(points: &[Point3<f64>]) -> Result<Self> {
         Self::within(points, 0.0)

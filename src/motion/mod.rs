@@ -65,15 +65,20 @@ pub trait Tube {
     /// [`over`](Self::over) for four intervals at once: what is asked for in inner loops. Without more being known of a motion, it bends by
     /// all that it moves.
     fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
-        let joints = rows.position.len();
-        let (mut q, mut r) = (vec![0.0; joints], vec![0.0; joints]);
+        let TubeRows {
+            position,
+            radius,
+            velocity,
+            bend,
+            single: [q, r],
+        } = rows;
         for lane in 0..LANES {
-            self.over(middle[lane], half[lane], &mut q, &mut r);
-            for joint in 0..joints {
-                rows.position[joint][lane] = q[joint];
-                rows.radius[joint][lane] = r[joint];
-                rows.velocity[joint][lane] = 0.0;
-                rows.bend[joint][lane] = r[joint];
+            self.over(middle[lane], half[lane], q, r);
+            for joint in 0..q.len() {
+                position[joint][lane] = q[joint];
+                radius[joint][lane] = r[joint];
+                velocity[joint][lane] = 0.0;
+                bend[joint][lane] = r[joint];
             }
         }
     }
@@ -90,6 +95,8 @@ pub struct TubeRows {
     pub velocity: Vec<[f64; LANES]>,
     /// |q(t) - position - velocity (t - middle)| is no more \[rad, m\].
     pub bend: Vec<[f64; LANES]>,
+    /// Room for what is known of a single interval.
+    single: [Vec<f64>; 2],
 }
 
 impl TubeRows {
@@ -101,6 +108,7 @@ impl TubeRows {
             radius: zero.clone(),
             velocity: zero.clone(),
             bend: zero,
+            single: [vec![0.0; joints], vec![0.0; joints]],
         }
     }
 }

@@ -71,7 +71,7 @@ impl Srdf {
     /// ```
     ///
     /// # Errors
-    /// When the text is no XML of a <robot>, lacks a name, or asks for more than a robot needs; the message names the line.
+    /// When the text is no XML of a `<robot>`, lacks a name, or asks for more than a robot needs; the message names the line.
     pub fn from_xml(text: &str) -> Result<Self> {
         let text = text.trim_start_matches('\u{feff}').trim_start();
         if text.is_empty() {
