@@ -71,7 +71,7 @@ impl Four {
             half,
             turning,
             moving,
-            rest: rest * OUTWARD + 4.0 * model.rounding * longer,
+            rest: rest * OUTWARD + 4.0 * self.rounding * longer,
         }
     }
 }

@@ -23,7 +23,7 @@ const VERSION: u64 = 1;
 const MOST_LEAVES: usize = 4_000_000;
 
 /// What a certificate does not say.
-const NOT_COVERED: [&str; 5] = [
+pub(super) const NOT_COVERED: [&str; 5] = [
     "links or parts of them outside the collision geometry",
     "joints farther from the motion than the tolerance",
     "objects that are not in the scene, and objects that move",
@@ -66,7 +66,7 @@ impl Evidence {
 pub(super) struct File {
     format: String,
     version: u64,
-    robot: String,
+    pub robot: String,
     joints: Vec<String>,
     pub duration_s: f64,
     pub is_periodic: bool,
@@ -74,7 +74,7 @@ pub(super) struct File {
     /// Of each joint, rad or m.
     pub tolerance: Vec<f64>,
     pub clearance_above_m: f64,
-    nearest: Vec<String>,
+    pub nearest: (String, String),
     pub rests_on: Vec<Evidence>,
     /// Of all shapes of links and scene, as they were used.
     pub geometry_sha256: String,
@@ -83,7 +83,7 @@ pub(super) struct File {
     limits: Vec<String>,
     pub checked: Vec<PairEntry>,
     pub not_checked: Vec<UncheckedEntry>,
-    not_covered: Vec<String>,
+    pub not_covered: Vec<String>,
     /// Intervals of time \[s\]: middle, half width, and which of the checked pairs are proven on it.
     pub tree: Vec<(f64, f64, Vec<usize>)>,
 }
@@ -173,7 +173,7 @@ impl CollisionModel {
             margin_m: margin,
             tolerance: padded,
             clearance_above_m: bound.distance,
-            nearest: vec![bound.pair.0.clone(), bound.pair.1.clone()],
+            nearest: bound.pair.clone(),
             rests_on: Vec::new(),
             geometry_sha256: self.geometry_sha256(robot),
             geometry: self.geometry(robot),

@@ -7,6 +7,7 @@ use super::part::PartGeometry;
 use crate::geometry::{
     Convex, HalfSpace, Placed, Placement, Warm, rough_separation, separation, signed_distance,
 };
+use crate::robot::JointKind;
 
 /// The smallest distance between the parts of a pair, or of all checked pairs, at one configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Clearance {
 pub struct Checker<'m> {
     model: &'m CollisionModel,
     placed: Vec<Placement>,
+    /// What rounding of frames does to a distance at most \[m\].
+    rounding: f64,
     /// Of each part, the middle of the ball around it.
     centers: Vec<Vector3<f64>>,
     warm: Vec<Warm>,
@@ -37,6 +40,7 @@ impl CollisionModel {
         Checker {
             model: self,
             placed: vec![Placement::identity(); self.frames.bodies()],
+            rounding: self.rounding,
             centers: vec![Vector3::zeros(); self.parts.len()],
             warm: vec![Warm::default(); self.convex_pairs()],
             order: Vec::with_capacity(self.checked.len()),
@@ -119,6 +123,11 @@ impl<'m> Checker<'m> {
     fn place(&mut self, q: &[f64]) {
         assert_eq!(q.len(), self.model.joints().len(), "one position a joint");
         self.model.frames.place(q, &mut self.placed);
+        let slides = self.model.frames.joints().iter();
+        let slid = slides
+            .filter(|j| j.kind == JointKind::Prismatic)
+            .map(|j| (j.multiplier * q[j.index]).abs() + j.offset.abs());
+        self.rounding = self.model.rounding + self.model.rounding_of(slid.sum());
         for (center, part) in self.centers.iter_mut().zip(&self.model.parts) {
             if let PartGeometry::Convexes { ball, .. } = &part.geometry {
                 *center = self.placed[part.body].point(&ball.center);
@@ -140,7 +149,7 @@ impl<'m> Checker<'m> {
             }
             _ => f64::NEG_INFINITY,
         };
-        gap - pair.padding - model.rounding
+        gap - pair.padding - self.rounding
     }
 
     fn is_touching(&mut self, pair: usize) -> bool {

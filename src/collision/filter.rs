@@ -24,6 +24,10 @@ pub(super) struct Four {
     /// Of each row, its rho by the ball, and of which round it is.
     rho: Vec<([f64; LANES], u64)>,
     round: u64,
+    /// What rounding of frames does to a distance at most \[m\], with prismatic joints where they are.
+    pub rounding: f64,
+    /// Whether all that falls is told by the points of the shapes alone, as whoever verifies a certificate does.
+    pub is_plain: bool,
     /// Of the pair at hand, of each joint between its parts, the rho of the first part and of the second.
     pub rhos: Vec<[[f64; LANES]; 2]>,
 }
@@ -50,6 +54,8 @@ impl Four {
             centers: vec![[zero; 3]; model.parts.len()],
             rho: vec![(zero, 0); model.rows.len()],
             round: 0,
+            rounding: model.rounding,
+            is_plain: false,
             rhos: vec![[zero; 2]; model.frames.joints().len()],
         }
     }
@@ -61,14 +67,24 @@ impl Four {
         model
             .frames
             .place_four(simd, &self.rows.position, &mut self.placed);
+        let mut slid: f64 = 0.0;
         for (i, joint) in model.frames.joints().iter().enumerate() {
             let (radius, tolerance) = (&self.rows.radius[joint.index], tolerance[joint.index]);
             let size = joint.multiplier.abs() * OUTWARD;
             self.tolerance[i] = size * tolerance;
-            for (turn, radius) in self.turn[i].iter_mut().zip(radius) {
-                *turn = size * (radius + tolerance);
+            let mut farthest: f64 = 0.0;
+            let rows = self.rows.position[joint.index].iter().zip(radius);
+            for (turn, (position, radius)) in self.turn[i].iter_mut().zip(rows) {
+                // What the joint's own position is rounded by, multiplied and shifted.
+                let position = (joint.multiplier * position).abs() + joint.offset.abs();
+                *turn = size * (radius + tolerance) + 4.0 * f64::EPSILON * position;
+                farthest = farthest.max(position);
+            }
+            if joint.kind == JointKind::Prismatic {
+                slid += farthest;
             }
         }
+        self.rounding = model.rounding + model.rounding_of(slid);
         for (center, part) in self.centers.iter_mut().zip(&model.parts) {
             if let PartGeometry::Convexes { ball, .. } = &part.geometry {
                 let placed = Poses::load(simd, &self.placed[part.body]);
@@ -116,8 +132,10 @@ impl Four {
             let first = step.rows.0.map_or(ENDLESS, |row| self.rho[row].0);
             *rhos = [first, self.rho[step.rows.1].0];
         }
-        let fall = self.fall(simd, model, chain, [0.0; 2]);
-        PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall[0])
+        let plain = [model.parts[a].core_radius(), model.parts[b].core_radius()];
+        let girths = if self.is_plain { plain } else { [0.0; 2] };
+        let fall = self.fall(simd, model, chain, girths);
+        PairBounds::of(gap - (model.pairs[pair].padding + self.rounding), fall[0])
     }
 
     /// What the capsules around its two parts say of a pair.
@@ -154,16 +172,19 @@ impl Four {
                 first.store_slice(&mut self.rhos[i][0]);
             }
         }
-        let fall = self.fall(simd, model, chain, [0.0; 2]);
-        let mut bounds =
-            PairBounds::of(gap - (model.pairs[pair].padding + model.rounding), fall[0]);
         // The shapes themselves are as far from the axes as the capsules' surfaces, but for their own margins, which are round.
-        let fall = self.fall(
+        let shapes = self.fall(
             simd,
             model,
             chain,
             [model.parts[a].girth(), model.parts[b].girth()],
         );
+        let axes = match self.is_plain {
+            true => shapes,
+            false => self.fall(simd, model, chain, [0.0; 2]),
+        };
+        let mut bounds = PairBounds::of(gap - (model.pairs[pair].padding + self.rounding), axes[0]);
+        let fall = shapes;
         fall[0].store_slice(&mut bounds.fall);
         fall[1].store_slice(&mut bounds.rest);
         bounds
@@ -199,7 +220,7 @@ impl Four {
                 least[i] = least[i].min(change[i]);
             }
         }
-        [(sum[0] + least[0]) * OUTWARD, (sum[1] + least[1]) * OUTWARD]
+        [sum[0] * OUTWARD + least[0], sum[1] * OUTWARD + least[1]]
     }
 
     /// The distance of the middle of the ball around a part from a joint's axis; 1 for prismatic joints. Balls are balls however they turn, so
@@ -213,7 +234,7 @@ impl Four {
         }
         let placed = Poses::load(simd, &self.placed[joint.body]);
         let arm = self.center(simd, row.part).sub(&placed.origin);
-        arm.cross(&placed.z).norm() + model.rounding
+        arm.cross(&placed.z).norm() + self.rounding
     }
 
     /// The distance of the farther end of the axis of the capsule around a part from a joint's axis: the gap between two capsules falls by no more
@@ -234,7 +255,7 @@ impl Four {
         let [first, second] = self.ends(simd, model, part);
         let first = first.sub(&placed.origin).cross(&placed.z);
         let second = second.sub(&placed.origin).cross(&placed.z);
-        first.dot(&first).max(second.dot(&second)).sqrt() + model.rounding
+        first.dot(&first).max(second.dot(&second)).sqrt() + self.rounding
     }
 
     #[inline(always)]

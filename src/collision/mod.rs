@@ -206,6 +206,11 @@ impl CollisionModel {
         &self.pairs
     }
 
+    /// What rounding of frames adds where prismatic joints reach `length` \[m\] farther.
+    fn rounding_of(&self, length: f64) -> f64 {
+        ROUNDING * (self.frames.bodies() as f64) * length
+    }
+
     fn convex_pairs(&self) -> usize {
         self.first_convex_pair[self.pairs.len()]
     }

@@ -84,13 +84,27 @@ impl Part {
     /// How far the cores of the shapes reach from the axis of the capsule around them \[m\]. 0 for a single capsule or sphere.
     pub fn girth(&self) -> f64 {
         match &self.geometry {
-            PartGeometry::Convexes {
-                convexes, capsule, ..
-            } => {
-                let margins = convexes.iter().map(Convex::margin);
-                (capsule.radius - margins.fold(f64::INFINITY, f64::min)).max(0.0)
-            }
+            PartGeometry::Convexes { capsule, .. } => self.less_margin(capsule.radius),
             PartGeometry::HalfSpace(_) => 0.0,
+        }
+    }
+
+    /// How far the cores of the shapes reach from the middle of the ball around them \[m\]. 0 for a single sphere.
+    pub fn core_radius(&self) -> f64 {
+        match &self.geometry {
+            PartGeometry::Convexes { ball, .. } => self.less_margin(ball.radius),
+            PartGeometry::HalfSpace(_) => 0.0,
+        }
+    }
+
+    /// What encloses all shapes encloses their cores with the least of their margins to spare.
+    fn less_margin(&self, radius: f64) -> f64 {
+        match &self.geometry {
+            PartGeometry::Convexes { convexes, .. } => {
+                let margins = convexes.iter().map(Convex::margin);
+                (radius - margins.fold(f64::INFINITY, f64::min)).max(0.0)
+            }
+            PartGeometry::HalfSpace(_) => radius,
         }
     }
 

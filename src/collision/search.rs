@@ -145,7 +145,11 @@ impl<'m> Search<'m> {
         self.warm.fill(Warm::default());
         self.nodes.clear();
         self.open.clear();
+        // A refutation leaves these as they were.
+        self.lanes.fill(0);
+        self.left.iter_mut().for_each(Vec::clear);
         let mut found = Found::new(goal, keep);
+        self.four.is_plain = keep;
         let all = &self.model.checked;
         if all.is_empty() {
             return found;
@@ -274,7 +278,7 @@ impl<'m> Search<'m> {
         let fall = bounds.fall[lane];
         // What is kept apart by more than this is proven.
         let bar = found.bar();
-        let needed = bar + fall + pair.padding + model.rounding;
+        let needed = bar + fall + pair.padding + self.four.rounding;
         let (a, b) = (&model.parts[pair.parts.0], &model.parts[pair.parts.1]);
         let placed_b = lane_of(&self.four.placed[b.body], lane);
         let PartGeometry::Convexes { convexes, .. } = &b.geometry else {
@@ -282,7 +286,7 @@ impl<'m> Search<'m> {
         };
         // Lower bounds over the interval, upper ones in its middle. A tree that is kept holds what falls by the sum over joints alone.
         let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
-        let is_plain = found.leaves.is_some();
+        let is_plain = self.four.is_plain;
         match &a.geometry {
             PartGeometry::HalfSpace(half_space) => {
                 for convex in convexes {
@@ -327,12 +331,17 @@ impl<'m> Search<'m> {
                         let bends = self.four.bends(model, at.pair, lane, half);
                         least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
                     }
-                    lower = lower.min(least);
+                    // What is no number is no proof.
+                    lower = if least.is_nan() {
+                        f64::NEG_INFINITY
+                    } else {
+                        lower.min(least)
+                    };
                     upper = upper.min(above);
                 }
             }
         }
-        let least = lower - pair.padding - model.rounding;
+        let least = lower - pair.padding - self.four.rounding;
         let least = least.max(bounds.lower[lane]);
         if least > bar {
             found.proven(At {

@@ -6,13 +6,19 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, NOT_COVERED};
 use super::scene::{SceneObject, SceneShape};
 use super::{CollisionModel, CollisionOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::geometry::{HalfSpace, Shape};
 use crate::motion::{Motion, Tube};
 use crate::robot::{JointKind, Robot};
+
+/// Two ways of computing a distance may differ by this \[m\].
+const ROUNDING: f64 = 1e-9;
+
+/// And poses are rounded by this share of all lengths.
+const LENGTHS: f64 = 64.0 * f64::EPSILON;
 
 /// What a verification looked at.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,9 +42,11 @@ enum Placed {
     Convex {
         shape: SharedShape,
         pose: Isometry3<f64>,
-        /// Points and a radius about them that enclose it.
+        /// Points and a radius about them that enclose its core: all but a margin that is round, which goes where the core goes.
         corners: Vec<Point3<f64>>,
         radius: f64,
+        /// A ball around the core, where that may be better.
+        ball: Option<(Point3<f64>, f64)>,
         /// By so much it may be larger than `shape`.
         tolerance: f64,
     },
@@ -68,6 +76,10 @@ impl Certificate {
                 refuse(format!("it is of a motion of {} s", file.duration_s))
                     .expected(format!("{} s", motion.duration())),
             );
+        }
+        if file.robot != robot.name() {
+            return Err(refuse(format!("it is of the robot `{}`", file.robot))
+                .expected(format!("`{}`", robot.name())));
         }
         let is_number = |x: &f64| *x >= 0.0 && x.is_finite();
         if !(is_number(&file.margin_m) && file.tolerance.iter().all(is_number)) {
@@ -112,13 +124,16 @@ impl Certificate {
                 *radius += tolerance;
             }
             let poses = robot.body_poses(&q);
+            let lengths: f64 = poses.iter().map(|p| p.translation.vector.norm()).sum();
             for number in pairs {
                 let [a, b] = &sides[*number];
                 let fall = fall(robot, &poses, a, b, &radius);
                 let (distance, looks) = distance(&poses, a, b);
                 verified.distances += looks;
                 let spare = distance - file.checked[*number].padding_m - fall - file.margin_m;
-                if spare <= 0.0 || spare.is_nan() {
+                // Certificates are written with a hundred times as much to spare.
+                let least = ROUNDING + LENGTHS * lengths;
+                if spare <= least || spare.is_nan() {
                     let (first, second) = &file.checked[*number].pair;
                     return Err(refuse(format!(
                         "{first} and {second} are {distance:.6} m apart at {middle:.4} s and may come nearer by {fall:.6} m within {half:.2e} s"
@@ -128,7 +143,31 @@ impl Certificate {
                 verified.spare = verified.spare.min(spare);
             }
         }
+        self.require_claims(&verified)?;
         Ok(verified)
+    }
+
+    /// What it says beside the proof is no more than what is proven.
+    fn require_claims(&self, verified: &Verified) -> Result<()> {
+        let file = &self.file;
+        let refuse = |what: String| Error::new(ErrorKind::Infeasible, what).at("certificate");
+        let proven = file.margin_m + verified.spare;
+        if file.clearance_above_m.is_nan() || file.clearance_above_m > proven + ROUNDING {
+            return Err(refuse(format!(
+                "it claims a clearance above {} m",
+                file.clearance_above_m
+            ))
+            .expected(format!("no more than the {proven} m that it proves")));
+        }
+        let (first, second) = &file.nearest;
+        if !file.checked.iter().any(|entry| entry.pair == file.nearest) {
+            return Err(refuse(format!("its nearest pair is {first} and {second}"))
+                .expected("a pair that is checked"));
+        }
+        if file.not_covered != NOT_COVERED {
+            return Err(refuse("what it does not cover was changed".to_owned()));
+        }
+        Ok(())
     }
 
     /// For every pair the intervals follow each other without a gap, from 0 to the end.
@@ -217,14 +256,14 @@ fn convex(shape: &Shape, pose: &Isometry3<f64>) -> Result<Placed> {
             SharedShape::ball(*radius),
             none,
             vec![Point3::origin()],
-            *radius,
+            0.0,
             0.0,
         ),
         Shape::Capsule { radius, length } => (
             SharedShape::capsule_z(length / 2.0, *radius),
             none,
             along(*length),
-            *radius,
+            0.0,
             0.0,
         ),
         // parry's cylinders stand along y.
@@ -260,13 +299,7 @@ fn convex(shape: &Shape, pose: &Isometry3<f64>) -> Result<Placed> {
                     "a flat hull, which parry does not know",
                 )
             })?;
-            (
-                parry,
-                none,
-                hull.vertices().to_vec(),
-                hull.tolerance(),
-                hull.tolerance(),
-            )
+            (parry, none, hull.vertices().to_vec(), 0.0, hull.tolerance())
         }
     };
     Ok(Placed::Convex {
@@ -274,6 +307,12 @@ fn convex(shape: &Shape, pose: &Isometry3<f64>) -> Result<Placed> {
         pose: pose * turn,
         corners: corners.iter().map(|c| pose * c).collect(),
         radius,
+        ball: match shape {
+            Shape::Cylinder { radius, length } => {
+                Some((pose * Point3::origin(), radius.hypot(length / 2.0)))
+            }
+            _ => None,
+        },
         tolerance,
     })
 }
@@ -382,26 +421,32 @@ fn fall(robot: &Robot, poses: &[Isometry3<f64>], a: &Side, b: &Side, radius: &[f
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The distance of the farthest point of a side from an axis.
+/// The distance of the farthest point of a side's cores from an axis.
 fn farthest(
     poses: &[Isometry3<f64>],
     side: &Side,
     origin: &Vector3<f64>,
     axis: &Vector3<f64>,
 ) -> f64 {
+    let off = |point: &Point3<f64>| {
+        let arm = (poses[side.body] * point).coords - origin;
+        arm.cross(axis).norm()
+    };
     let mut most: f64 = 0.0;
     for shape in &side.shapes {
-        match shape {
-            Placed::HalfSpace(_) => return f64::INFINITY,
+        most = most.max(match shape {
+            Placed::HalfSpace(_) => f64::INFINITY,
             Placed::Convex {
-                corners, radius, ..
+                corners,
+                radius,
+                ball,
+                ..
             } => {
-                for corner in corners {
-                    let arm = (poses[side.body] * corner).coords - origin;
-                    most = most.max(arm.cross(axis).norm() + radius);
-                }
+                let by_corners = corners.iter().map(off).fold(0.0, f64::max) + radius;
+                let by_ball = ball.as_ref().map(|(center, size)| off(center) + size);
+                by_corners.min(by_ball.unwrap_or(f64::INFINITY))
             }
-        }
+        });
     }
     most
 }

@@ -8,6 +8,7 @@ mod common;
 mod dense;
 mod halved;
 mod robots;
+mod verified;
 #[path = "../common/waves.rs"]
 mod waves;
 
