@@ -70,16 +70,13 @@ fn sledge() -> Robot {
 
 /// Two postures, a second apart.
 fn move_of(robot: &Robot, from: &[f64], to: &[f64]) -> Spline {
-    let waypoint = |time: f64, positions: &[f64]| Waypoint {
+    let waypoints = [(0.0, from), (1.0, to)].map(|(time, positions)| Waypoint {
         time,
-        positions: positions.to_vec(),
+        positions,
         velocities: None,
         accelerations: None,
-    };
-    let waypoints = Waypoints::new(
-        robot.joints().clone(),
-        vec![waypoint(0.0, from), waypoint(1.0, to)],
-    );
+    });
+    let waypoints = Waypoints::new(robot.joints().clone(), waypoints);
     Spline::new(&waypoints.unwrap(), StartPosture::Given).unwrap()
 }
 
