@@ -109,10 +109,10 @@ pub(super) fn pairs(
             let known = parts.iter().any(|p| p.name == *name)
                 || robot.links().iter().any(|l| l.name == *name);
             if !known {
-                return Err(
-                    Error::new(ErrorKind::Name, format!("no link or object `{name}`"))
-                        .at(format!("robot `{}`", robot.name())),
-                );
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("no link or object `{name}`"),
+                ));
             }
         }
         pairs

@@ -14,6 +14,15 @@ fn what_is_written_is_verified() {
     for (name, robot, options, _) in robots() {
         let model = CollisionModel::new(&robot, &options).unwrap();
         let mut prover = model.prover();
+        let touching = (100..)
+            .map(|number| random_wave(&robot, 26, 6.7, 0.6, &mut stream(11, number)))
+            .find(|wave| {
+                matches!(
+                    prover.certify(wave, 0.0, &[]),
+                    Ok(Certification::Collides { .. })
+                )
+            })
+            .unwrap();
         for number in 0..12 {
             let wave = random_wave(&robot, 26, 6.7, 0.6, &mut stream(11, number));
             let (certification, certificate) = prover
@@ -27,19 +36,16 @@ fn what_is_written_is_verified() {
             assert_eq!(read, certificate);
             let found = read.verify(&robot, &wave, &options);
             assert!(found.is_ok(), "{name}, wave {number}: {found:?}");
-            // Of another motion it says nothing.
-            let other = wave.advanced(0.5 * wave.period());
-            if prover.certify(&other, 0.0, &[]).unwrap().is_clear() {
-                continue;
-            }
+            // Of a motion that touches it says nothing.
             assert!(
-                read.verify(&robot, &other, &options).is_err(),
+                read.verify(&robot, &touching, &options).is_err(),
                 "{name}, wave {number}"
             );
             verified += 1;
         }
     }
-    println!("{verified} of these refused for another motion");
+    println!("{verified} certificates verified");
+    assert!(verified > 10);
 }
 
 /// A sphere on a slider, one above it on a mast, and a sphere that a third joint turns: the last two overlap by 10 mm whatever the joints do.
