@@ -6,7 +6,7 @@ use undulate::{
 };
 
 use crate::dense::Dense;
-use crate::robots::thin_carousel;
+use crate::robots::{THIN, carousel};
 use crate::waves::random_wave;
 
 /// A wave that says it goes half as far as it does.
@@ -55,7 +55,7 @@ impl Tube for HalvedTube<'_> {
 
 #[test]
 fn a_bound_that_is_halved_is_caught() {
-    let robot = thin_carousel();
+    let robot = carousel(THIN);
     let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
     let dense = Dense::new(&robot, &model);
     let mut prover = model.prover();

@@ -13,6 +13,7 @@ mod verified;
 mod waves;
 
 use dense::Dense;
+use robots::carousel;
 use undulate::{
     Certification, CollisionModel, CollisionOptions, HalfSpace, Robot, Scene, SceneObject,
     SceneShape, Shape, Wave, nalgebra, shipped, stream,
@@ -115,22 +116,6 @@ fn the_minimum_is_between_its_bounds_and_no_sample_is_below() {
     }
 }
 
-/// Two balls of 0.1 m on arms of 1 m that turn about one post.
-fn carousel() -> Robot {
-    let arm = |name: &str| {
-        format!(
-            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
-            <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
-        )
-    };
-    Robot::from_urdf(&format!(
-        r#"<robot name="carousel"><link name="post"/>{}{}</robot>"#,
-        arm("one"),
-        arm("two")
-    ))
-    .unwrap()
-}
-
 /// The first arm swings by `size` about the angle 0, the second stands at `angle`.
 fn swing(size: f64, angle: f64) -> Wave {
     let weights = nalgebra::DMatrix::from_row_slice(
@@ -142,12 +127,12 @@ fn swing(size: f64, angle: f64) -> Wave {
         ],
     );
     let offsets = nalgebra::DVector::from_vec(vec![0.0, angle]);
-    Wave::new(carousel().joints().clone(), 2.0, offsets, weights).unwrap()
+    Wave::new(carousel(0.1).joints().clone(), 2.0, offsets, weights).unwrap()
 }
 
 #[test]
 fn the_nearest_that_two_arms_come_is_a_chord() {
-    let robot = carousel();
+    let robot = carousel(0.1);
     let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
     // At the turning point, angle 0.6 to 1.5: a chord of the unit circle less two radii.
     let nearest = 2.0 * f64::sin(0.45) - 0.2;
@@ -179,7 +164,7 @@ fn the_nearest_that_two_arms_come_is_a_chord() {
 
 #[test]
 fn overlap_is_measured_as_depth() {
-    let model = CollisionModel::new(&carousel(), &CollisionOptions::default()).unwrap();
+    let model = CollisionModel::new(&carousel(0.1), &CollisionOptions::default()).unwrap();
     let wave = swing(0.6, 0.65);
     let found = model.minimum_clearance(&wave, 1e-6).unwrap();
     let nearest = 2.0 * f64::sin(0.025) - 0.2;
@@ -195,7 +180,7 @@ fn overlap_is_measured_as_depth() {
 
 #[test]
 fn scenes_and_padding_are_kept_clear_of() {
-    let robot = carousel();
+    let robot = carousel(0.1);
     let wall = |offset: f64| {
         let shape = SceneShape::HalfSpace(HalfSpace::new(nalgebra::Vector3::x(), offset).unwrap());
         let post = SceneShape::Solid(

@@ -2,21 +2,24 @@
 
 use undulate::{CollisionOptions, LoadOptions, MeshFiles, Robot, Srdf, shipped};
 
-/// Two balls of 5 mm on arms of 1 m that turn about one post: a touch is over in milliseconds.
-pub fn thin_carousel() -> Robot {
+/// Two balls of `radius` \[m\] on arms of 1 m that turn about one post. When they are thin, a touch is over in milliseconds.
+pub fn carousel(radius: f64) -> Robot {
     let arm = |name: &str| {
         format!(
-            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.005"/></geometry></collision></link>
+            r#"<link name="{name}"><collision><origin xyz="1 0 0"/><geometry><sphere radius="{radius}"/></geometry></collision></link>
             <joint name="{name}_joint" type="continuous"><parent link="post"/><child link="{name}"/><axis xyz="0 0 1"/></joint>"#
         )
     };
     Robot::from_urdf(&format!(
-        r#"<robot name="thin_carousel"><link name="post"/>{}{}</robot>"#,
+        r#"<robot name="carousel"><link name="post"/>{}{}</robot>"#,
         arm("one"),
         arm("two")
     ))
     .unwrap()
 }
+
+/// A radius \[m\] with which a touch is easily missed.
+pub const THIN: f64 = 0.005;
 
 pub fn robots() -> Vec<(&'static str, Robot, CollisionOptions, u64)> {
     let wave_arm = shipped::robot("wave_arm").unwrap();
@@ -24,7 +27,7 @@ pub fn robots() -> Vec<(&'static str, Robot, CollisionOptions, u64)> {
         ("wave_arm", wave_arm, CollisionOptions::default(), 40),
         (
             "thin_carousel",
-            thin_carousel(),
+            carousel(THIN),
             CollisionOptions::default(),
             200,
         ),

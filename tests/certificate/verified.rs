@@ -5,7 +5,7 @@ use undulate::{
     Waypoint, Waypoints, stream,
 };
 
-use crate::robots::robots;
+use crate::robots::{carousel, robots};
 use crate::waves::random_wave;
 
 #[test]
@@ -103,7 +103,7 @@ fn digits_that_a_far_slider_costs_are_paid_for() {
 
 #[test]
 fn a_refutation_leaves_nothing_behind() {
-    let robot = crate::carousel();
+    let robot = carousel(0.1);
     let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
     let through = move_of(&robot, &[0.0, 1.0], &[2.0, 1.0]);
     let still = move_of(&robot, &[0.0, 1.0], &[0.1, 1.0]);
