@@ -10,7 +10,8 @@
 //! d(q) >= d(q_m) - sum_{k <= s} rho_k(A) r_k - sum_{k > s} rho_k(B) r_k     for |q - q_m| <= r and every s,
 //! ```
 //!
-//! (what is round about its core, a ball or a capsule, is so however it turns: for it points of the core alone count,) with every rho taken at q_m, and no term of second order. The s of the least sum is taken. Points move by less than this on circles,
+//! with every rho taken at q_m, and no term of second order. The s of the least sum is taken. What is round about its core, a ball or a
+//! capsule, is so however it turns, so rho is of points of the core alone. Points move by less than this on circles,
 //! and a prismatic joint has rho = 1. What is moved by at most x lets the signed distance change by at most x, deep in each other too:
 //! it is the largest over all directions of the gap between two parallel planes, and each gap changes by at most x.
 
