@@ -34,25 +34,24 @@ pub(super) struct Bends {
 }
 
 impl Four {
-    /// What bounds a pair to second order on interval number `lane`, of half width `half` \[s\]; the rows of rho must be the pair's.
+    /// What bounds a pair to second order on interval number `lane`, of half width `half` \[s\]; capsules must have been asked.
     #[inline(always)]
     pub fn bends(&self, model: &CollisionModel, pair: usize, lane: usize, half: f64) -> Bends {
         let girth = model.parts[model.pairs[pair].parts.1].girth();
         let (mut turning, mut moving) = (Vector3::zeros(), Vector3::zeros());
         let (mut rest, mut later) = (0.0, 0.0);
         // From B back to A, so that what moves later is summed already.
-        let steps = model.chains[pair].steps.iter().zip(&self.rhos);
-        for (step, [_, rho]) in steps.rev() {
+        for step in model.chains[pair].steps.iter().rev() {
             let joint = &model.frames.joints()[step.joint];
             let placement = lane_of(&self.placed[joint.body], lane);
             let axis: Vector3<f64> = placement.rotation.column(2).into();
             let velocity = step.sign * joint.multiplier * self.rows.velocity[joint.index][lane];
             let bend = joint.multiplier.abs() * self.rows.bend[joint.index][lane] * OUTWARD
-                + self.tolerance[step.joint];
+                + self.tolerance[step.joint][lane];
             let turn = self.turn[step.joint][lane];
             match joint.kind {
                 JointKind::Revolute => {
-                    let rho = rho[lane] + girth;
+                    let rho = self.rho(step)[lane] + girth;
                     turning += axis * velocity;
                     moving -= axis.cross(&placement.translation) * velocity;
                     rest += rho * (bend + turn * turn / 2.0) + turn * later;

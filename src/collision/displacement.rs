@@ -27,6 +27,14 @@ pub(super) struct Chain {
     pub steps: Vec<Step>,
 }
 
+impl Chain {
+    /// The rows that hold the rho of its joints.
+    pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+        let rows = |step: &Step| [step.rows.0, Some(step.rows.1)];
+        self.steps.iter().flat_map(rows).flatten()
+    }
+}
+
 /// A joint of a chain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {

@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
 
 use super::CollisionModel;
-use super::displacement::Chain;
+use super::displacement::{Chain, Row, Step};
 use super::frames::{Poses, Stored, V3};
 use super::part::PartGeometry;
 use crate::motion::{LANES, TubeRows};
@@ -18,28 +18,35 @@ pub(super) struct Four {
     /// Of each body's joint, how far it can be from where it is.
     pub turn: Vec<[f64; LANES]>,
     /// What of that is tolerance.
-    pub tolerance: Vec<f64>,
+    pub tolerance: Vec<[f64; LANES]>,
     /// Of each part, the centre of its ball.
     centers: Vec<[[f64; LANES]; 3]>,
-    /// Of each row, its rho by the ball, and of which round it is.
-    rho: Vec<([f64; LANES], u64)>,
+    /// Of each part, the ends of its capsule.
+    ends: Vec<InRound<[[[f64; LANES]; 3]; 2]>>,
+    /// Of each row, its rho by the ball and by the capsule.
+    ball_rho: Vec<InRound<[f64; LANES]>>,
+    capsule_rho: Vec<InRound<[f64; LANES]>>,
+    /// Counts the placements.
     round: u64,
     /// What rounding of frames does to a distance at most \[m\], with prismatic joints where they are.
     pub rounding: f64,
     /// Whether all that falls is told by the points of the shapes alone, as whoever verifies a certificate does.
     pub is_plain: bool,
-    /// Of the pair at hand, of each joint between its parts, the rho of the first part and of the second.
-    pub rhos: Vec<[[f64; LANES]; 2]>,
 }
 
-/// Of a pair in four intervals.
+/// What has been computed in a round, and is then read.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PairBounds {
-    /// Less than this the distance cannot be anywhere in the interval \[m\].
-    pub lower: [f64; LANES],
-    /// From what it is in the middle it falls by no more than this \[m\]. By balls it is not told.
+struct InRound<T> {
+    value: T,
+    round: u64,
+}
+
+/// By how much the distance of a pair falls at most in four intervals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Falls {
+    /// From what it is in the middle \[m\].
     pub fall: [f64; LANES],
-    /// However short the interval, it falls by this \[m\]: what the tolerance of the joints is good for. By balls it is not told.
+    /// However short the interval \[m\]: what the tolerance of the joints is good for.
     pub rest: [f64; LANES],
 }
 
@@ -50,13 +57,14 @@ impl Four {
             rows: TubeRows::new(model.joints().len()),
             placed: vec![[zero; 12]; model.frames.bodies()],
             turn: vec![zero; model.frames.joints().len()],
-            tolerance: vec![0.0; model.frames.joints().len()],
+            tolerance: vec![zero; model.frames.joints().len()],
             centers: vec![[zero; 3]; model.parts.len()],
-            rho: vec![(zero, 0); model.rows.len()],
+            ends: vec![InRound::never([[zero; 3]; 2]); model.parts.len()],
+            ball_rho: vec![InRound::never(zero); model.rows.len()],
+            capsule_rho: vec![InRound::never(zero); model.rows.len()],
             round: 0,
             rounding: model.rounding,
             is_plain: false,
-            rhos: vec![[zero; 2]; model.frames.joints().len()],
         }
     }
 
@@ -71,7 +79,7 @@ impl Four {
         for (i, joint) in model.frames.joints().iter().enumerate() {
             let (radius, tolerance) = (&self.rows.radius[joint.index], tolerance[joint.index]);
             let size = joint.multiplier.abs() * OUTWARD;
-            self.tolerance[i] = size * tolerance;
+            self.tolerance[i] = [size * tolerance; LANES];
             let mut farthest: f64 = 0.0;
             let rows = self.rows.position[joint.index].iter().zip(radius);
             for (turn, (position, radius)) in self.turn[i].iter_mut().zip(rows) {
@@ -88,25 +96,22 @@ impl Four {
         for (center, part) in self.centers.iter_mut().zip(&model.parts) {
             if let PartGeometry::Convexes { ball, .. } = &part.geometry {
                 let placed = Poses::load(simd, &self.placed[part.body]);
-                let point = placed.point(&ball.center.into());
-                for (row, number) in center.iter_mut().zip(point.0) {
-                    number.store_slice(row);
-                }
+                placed.point(&ball.center.into()).store(center);
             }
         }
     }
 
-    /// What the balls around its two parts say of a pair.
+    /// Less than this \[m\] the distance of a pair cannot be anywhere in the interval, by the balls around its two parts.
     #[inline(always)]
     pub fn by_balls<S: Simd>(
         &mut self,
         simd: S,
         model: &CollisionModel,
         pair: usize,
-    ) -> PairBounds {
+    ) -> [f64; LANES] {
         let (a, b) = model.pairs[pair].parts;
         let PartGeometry::Convexes { ball: ball_b, .. } = &model.parts[b].geometry else {
-            return PairBounds::nothing();
+            return UNKNOWN;
         };
         let center = self.center(simd, b);
         let gap = match &model.parts[a].geometry {
@@ -119,36 +124,29 @@ impl Four {
             }
         };
         let chain = &model.chains[pair];
-        for step in &chain.steps {
-            for row in [step.rows.0, Some(step.rows.1)].into_iter().flatten() {
-                if self.rho[row].1 != self.round {
-                    let rho = self.ball_rho(simd, model, row);
-                    rho.store_slice(&mut self.rho[row].0);
-                    self.rho[row].1 = self.round;
-                }
-            }
+        for row in chain.rows() {
+            self.update_ball_rho(simd, model, row);
         }
-        for (step, rhos) in chain.steps.iter().zip(&mut self.rhos) {
-            let first = step.rows.0.map_or(ENDLESS, |row| self.rho[row].0);
-            *rhos = [first, self.rho[step.rows.1].0];
-        }
-        let plain = [model.parts[a].core_radius(), model.parts[b].core_radius()];
-        let girths = if self.is_plain { plain } else { [0.0; 2] };
-        let fall = self.fall(simd, model, chain, girths);
-        PairBounds::of(gap - (model.pairs[pair].padding + self.rounding), fall[0])
+        let girths = if self.is_plain {
+            [model.parts[a].core_radius(), model.parts[b].core_radius()]
+        } else {
+            [0.0; 2]
+        };
+        let [fall] = self.fall(simd, model, chain, &self.ball_rho, girths, [&self.turn]);
+        to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
     }
 
-    /// What the capsules around its two parts say of a pair.
+    /// The same by the capsules around them.
     #[inline(always)]
     pub fn by_capsules<S: Simd>(
         &mut self,
         simd: S,
         model: &CollisionModel,
         pair: usize,
-    ) -> PairBounds {
+    ) -> [f64; LANES] {
         let (a, b) = model.pairs[pair].parts;
         let PartGeometry::Convexes { capsule, .. } = &model.parts[b].geometry else {
-            return PairBounds::nothing();
+            return UNKNOWN;
         };
         let ends_b = self.ends(simd, model, b);
         let gap = match &model.parts[a].geometry {
@@ -163,125 +161,140 @@ impl Four {
             }
         };
         let chain = &model.chains[pair];
-        for (i, step) in chain.steps.iter().enumerate() {
-            let second = self.capsule_rho(simd, model, b, step.joint);
-            second.store_slice(&mut self.rhos[i][1]);
-            self.rhos[i][0] = ENDLESS;
-            if step.rows.0.is_some() {
-                let first = self.capsule_rho(simd, model, a, step.joint);
-                first.store_slice(&mut self.rhos[i][0]);
-            }
+        for row in chain.rows() {
+            self.update_capsule_rho(simd, model, row);
         }
-        // The shapes themselves are as far from the axes as the capsules' surfaces, but for their own margins, which are round.
-        let shapes = self.fall(
-            simd,
-            model,
-            chain,
-            [model.parts[a].girth(), model.parts[b].girth()],
-        );
-        let axes = match self.is_plain {
-            true => shapes,
-            false => self.fall(simd, model, chain, [0.0; 2]),
+        let girths = if self.is_plain {
+            [model.parts[a].girth(), model.parts[b].girth()]
+        } else {
+            [0.0; 2]
         };
-        let mut bounds = PairBounds::of(gap - (model.pairs[pair].padding + self.rounding), axes[0]);
-        let fall = shapes;
-        fall[0].store_slice(&mut bounds.fall);
-        fall[1].store_slice(&mut bounds.rest);
-        bounds
+        let [fall] = self.fall(simd, model, chain, &self.capsule_rho, girths, [&self.turn]);
+        to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
     }
 
-    /// The least sum over the joints of a chain, those up to some joint by the first of [`rhos`](Self::rhos) and the others by the second, each
-    /// with what `girths` adds to it for revolute joints: for all that the joints can turn, and for their tolerance alone.
+    /// By how much the shapes themselves come nearer, once capsules have been asked. The shapes are as far from the axes as the
+    /// capsules' surfaces, but for their own margins, which are round.
     #[inline(always)]
-    fn fall<S: Simd>(
+    pub fn falls<S: Simd>(&self, simd: S, model: &CollisionModel, pair: usize) -> Falls {
+        let (a, b) = model.pairs[pair].parts;
+        let girths = [model.parts[a].girth(), model.parts[b].girth()];
+        let turns = [self.turn.as_slice(), &self.tolerance];
+        let chain = &model.chains[pair];
+        let [fall, rest] = self.fall(simd, model, chain, &self.capsule_rho, girths, turns);
+        Falls {
+            fall: to_array(fall),
+            rest: to_array(rest),
+        }
+    }
+
+    /// The least sum over the joints of a chain, those up to some joint by the rho of the first part and the others by that of the second, each
+    /// with what `girths` adds to it for revolute joints, times each of `turns`.
+    #[inline(always)]
+    fn fall<S: Simd, const N: usize>(
         &self,
         simd: S,
         model: &CollisionModel,
         chain: &Chain,
+        rho: &[InRound<[f64; LANES]>],
         girths: [f64; 2],
-    ) -> [f64x4<S>; 2] {
+        turns: [&[[f64; LANES]]; N],
+    ) -> [f64x4<S>; N] {
         let zero = f64x4::splat(simd, 0.0);
         // The sum of all by the second; what it changes when those up to a joint are by the first, and the least of that.
-        let (mut sum, mut change, mut least) = ([zero; 2], [zero; 2], [zero; 2]);
-        for (step, [first, second]) in chain.steps.iter().zip(&self.rhos) {
-            let turn = [
-                f64x4::load_array_ref(simd, &self.turn[step.joint]),
-                f64x4::splat(simd, self.tolerance[step.joint]),
-            ];
-            let turns = match model.frames.joints()[step.joint].kind {
+        let (mut sum, mut change, mut least) = ([zero; N], [zero; N], [zero; N]);
+        for step in &chain.steps {
+            let is_turning = match model.frames.joints()[step.joint].kind {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let first = f64x4::load_array_ref(simd, first) + girths[0] * turns;
-            let second = f64x4::load_array_ref(simd, second) + girths[1] * turns;
-            for i in 0..2 {
-                sum[i] += second * turn[i];
-                change[i] += (first - second) * turn[i];
+            let first = step.rows.0.map_or(&ENDLESS, |row| &rho[row].value);
+            let first = f64x4::load_array_ref(simd, first) + girths[0] * is_turning;
+            let second = f64x4::load_array_ref(simd, &rho[step.rows.1].value);
+            let second = second + girths[1] * is_turning;
+            for i in 0..N {
+                let turn = f64x4::load_array_ref(simd, &turns[i][step.joint]);
+                sum[i] += second * turn;
+                change[i] += (first - second) * turn;
                 least[i] = least[i].min(change[i]);
             }
         }
-        [sum[0] * OUTWARD + least[0], sum[1] * OUTWARD + least[1]]
+        std::array::from_fn(|i| sum[i] * OUTWARD + least[i])
     }
 
     /// The distance of the middle of the ball around a part from a joint's axis; 1 for prismatic joints. Balls are balls however they turn, so
     /// that the gap between two falls by no more than their middles move.
     #[inline(always)]
-    fn ball_rho<S: Simd>(&self, simd: S, model: &CollisionModel, row: usize) -> f64x4<S> {
-        let row = &model.rows[row];
-        let joint = &model.frames.joints()[row.joint];
-        if joint.kind == JointKind::Prismatic {
-            return f64x4::splat(simd, 1.0);
+    fn update_ball_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
+        if self.ball_rho[row].round != self.round {
+            let Row { part, joint } = model.rows[row];
+            let joint = &model.frames.joints()[joint];
+            let rho = match joint.kind {
+                JointKind::Prismatic => f64x4::splat(simd, 1.0),
+                JointKind::Revolute => {
+                    let placed = Poses::load(simd, &self.placed[joint.body]);
+                    let arm = self.center(simd, part).sub(&placed.origin);
+                    arm.cross(&placed.z).norm() + self.rounding
+                }
+            };
+            rho.store_slice(&mut self.ball_rho[row].value);
+            self.ball_rho[row].round = self.round;
         }
-        let placed = Poses::load(simd, &self.placed[joint.body]);
-        let arm = self.center(simd, row.part).sub(&placed.origin);
-        arm.cross(&placed.z).norm() + self.rounding
     }
 
     /// The distance of the farther end of the axis of the capsule around a part from a joint's axis: the gap between two capsules falls by no more
     /// than their axes move.
     #[inline(always)]
-    fn capsule_rho<S: Simd>(
-        &self,
-        simd: S,
-        model: &CollisionModel,
-        part: usize,
-        joint: usize,
-    ) -> f64x4<S> {
-        let joint = &model.frames.joints()[joint];
-        if joint.kind == JointKind::Prismatic {
-            return f64x4::splat(simd, 1.0);
+    fn update_capsule_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
+        if self.capsule_rho[row].round != self.round {
+            let Row { part, joint } = model.rows[row];
+            let joint = &model.frames.joints()[joint];
+            let rho = match joint.kind {
+                JointKind::Prismatic => f64x4::splat(simd, 1.0),
+                JointKind::Revolute => {
+                    let placed = Poses::load(simd, &self.placed[joint.body]);
+                    let [first, second] = self.ends(simd, model, part);
+                    let first = first.sub(&placed.origin).cross(&placed.z);
+                    let second = second.sub(&placed.origin).cross(&placed.z);
+                    first.dot(&first).max(second.dot(&second)).sqrt() + self.rounding
+                }
+            };
+            rho.store_slice(&mut self.capsule_rho[row].value);
+            self.capsule_rho[row].round = self.round;
         }
-        let placed = Poses::load(simd, &self.placed[joint.body]);
-        let [first, second] = self.ends(simd, model, part);
-        let first = first.sub(&placed.origin).cross(&placed.z);
-        let second = second.sub(&placed.origin).cross(&placed.z);
-        first.dot(&first).max(second.dot(&second)).sqrt() + self.rounding
+    }
+
+    /// By the capsule around the second part of a pair, of a joint of its chain.
+    pub fn rho(&self, step: &Step) -> &[f64; LANES] {
+        &self.capsule_rho[step.rows.1].value
     }
 
     #[inline(always)]
     fn center<S: Simd>(&self, simd: S, part: usize) -> V3<S> {
-        let [x, y, z] = &self.centers[part];
-        V3([
-            f64x4::load_array_ref(simd, x),
-            f64x4::load_array_ref(simd, y),
-            f64x4::load_array_ref(simd, z),
-        ])
+        V3::load(simd, &self.centers[part])
     }
 
+    /// The ends of the capsule around a part.
     #[inline(always)]
-    fn ends<S: Simd>(&self, simd: S, model: &CollisionModel, part: usize) -> [V3<S>; 2] {
-        let part = &model.parts[part];
-        let placed = Poses::load(simd, &self.placed[part.body]);
-        match &part.geometry {
-            PartGeometry::Convexes { capsule, .. } => {
-                let [first, second] = &capsule.ends;
-                [
-                    placed.point(&(*first).into()),
-                    placed.point(&(*second).into()),
-                ]
+    fn ends<S: Simd>(&mut self, simd: S, model: &CollisionModel, part: usize) -> [V3<S>; 2] {
+        if self.ends[part].round != self.round
+            && let PartGeometry::Convexes { capsule, .. } = &model.parts[part].geometry
+        {
+            let placed = Poses::load(simd, &self.placed[model.parts[part].body]);
+            for (end, row) in capsule.ends.iter().zip(&mut self.ends[part].value) {
+                placed.point(&(*end).into()).store(row);
             }
-            PartGeometry::HalfSpace(_) => [placed.origin, placed.origin],
+            self.ends[part].round = self.round;
         }
+        let [first, second] = &self.ends[part].value;
+        [V3::load(simd, first), V3::load(simd, second)]
+    }
+}
+
+impl<T> InRound<T> {
+    /// Rounds are counted from 1.
+    fn never(value: T) -> Self {
+        Self { value, round: 0 }
     }
 }
 
@@ -291,33 +304,14 @@ const ENDLESS: [f64; LANES] = [1e30; LANES];
 /// Sums and products of a few dozen numbers are below this times themselves as computed.
 pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
 
-impl PairBounds {
-    #[inline(always)]
-    fn of<S: Simd>(gap: f64x4<S>, fall: f64x4<S>) -> Self {
-        let mut bounds = Self::nothing();
-        (gap - fall).store_slice(&mut bounds.lower);
-        bounds
-    }
+/// A bound that says nothing.
+const UNKNOWN: [f64; LANES] = [f64::NEG_INFINITY; LANES];
 
-    fn nothing() -> Self {
-        Self {
-            lower: [f64::NEG_INFINITY; LANES],
-            fall: [f64::INFINITY; LANES],
-            rest: [f64::INFINITY; LANES],
-        }
-    }
-
-    /// The better of the two.
-    #[inline(always)]
-    pub fn and(&self, other: &Self) -> Self {
-        let mut both = *self;
-        for lane in 0..LANES {
-            both.lower[lane] = self.lower[lane].max(other.lower[lane]);
-            both.fall[lane] = self.fall[lane].min(other.fall[lane]);
-            both.rest[lane] = self.rest[lane].min(other.rest[lane]);
-        }
-        both
-    }
+#[inline(always)]
+fn to_array<S: Simd>(lanes: f64x4<S>) -> [f64; LANES] {
+    let mut array = [0.0; LANES];
+    lanes.store_slice(&mut array);
+    array
 }
 
 /// A lower bound on the distance of two segments: what separates them along the direction between the points that are found to be

@@ -280,6 +280,22 @@ impl<S: Simd> Poses<S> {
 
 impl<S: Simd> V3<S> {
     #[inline(always)]
+    pub fn load(simd: S, [x, y, z]: &[[f64; LANES]; 3]) -> Self {
+        Self([
+            f64x4::load_array_ref(simd, x),
+            f64x4::load_array_ref(simd, y),
+            f64x4::load_array_ref(simd, z),
+        ])
+    }
+
+    #[inline(always)]
+    pub fn store(&self, rows: &mut [[f64; LANES]; 3]) {
+        for (row, number) in rows.iter_mut().zip(&self.0) {
+            number.store_slice(row);
+        }
+    }
+
+    #[inline(always)]
     pub fn splat(simd: S, v: &[f64; 3]) -> Self {
         Self([
             f64x4::splat(simd, v[0]),

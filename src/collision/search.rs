@@ -1,7 +1,7 @@
 //! The tree of intervals behind the certificate and the minimum clearance.
 
 use super::CollisionModel;
-use super::filter::{Four, PairBounds};
+use super::filter::Four;
 use super::frames::lane_of;
 use super::part::PartGeometry;
 use crate::geometry::{Warm, rough_separation, separation_with, signed_distance_with};
@@ -208,12 +208,17 @@ impl<'m> Search<'m> {
                 if lanes == 0 {
                     continue;
                 }
-                let mut bounds = self.four.by_balls(simd, model, pair);
-                let mut open = found.settle(&bounds, lanes, pair, &middle, count);
-                if open != 0 {
-                    bounds = bounds.and(&self.four.by_capsules(simd, model, pair));
-                    open = found.settle(&bounds, open, pair, &middle, count);
+                let balls = self.four.by_balls(simd, model, pair);
+                let mut open = found.settle(&balls, lanes, pair, &middle, count);
+                if open == 0 {
+                    continue;
                 }
+                let capsules = self.four.by_capsules(simd, model, pair);
+                open = found.settle(&capsules, open, pair, &middle, count);
+                if open == 0 {
+                    continue;
+                }
+                let falls = self.four.falls(simd, model, pair);
                 for lane in 0..LANES {
                     if open >> lane & 1 == 0 {
                         continue;
@@ -223,7 +228,9 @@ impl<'m> Search<'m> {
                         pair,
                         time: middle[lane],
                     };
-                    match self.narrow(simd, &bounds, (lane, half[lane]), at, found) {
+                    let known = balls[lane].max(capsules[lane]);
+                    let falls = [falls.fall[lane], falls.rest[lane]];
+                    match self.narrow(simd, known, falls, (lane, half[lane]), at, found) {
                         Narrowed::Proven => found.keep(lane, count, pair),
                         Narrowed::Open(least) => {
                             lower[lane] = lower[lane].min(least);
@@ -268,14 +275,14 @@ impl<'m> Search<'m> {
     fn narrow<S: Simd>(
         &mut self,
         simd: S,
-        bounds: &PairBounds,
+        known: f64,
+        [fall, rest]: [f64; 2],
         (lane, half): (usize, f64),
         at: At,
         found: &mut Found,
     ) -> Narrowed {
         let model = self.model;
         let pair = &model.pairs[at.pair];
-        let fall = bounds.fall[lane];
         // What is kept apart by more than this is proven.
         let bar = found.bar();
         let needed = bar + fall + pair.padding + self.four.rounding;
@@ -342,7 +349,7 @@ impl<'m> Search<'m> {
             }
         }
         let least = lower - pair.padding - self.four.rounding;
-        let least = least.max(bounds.lower[lane]);
+        let least = least.max(known);
         if least > bar {
             found.proven(At {
                 distance: least,
@@ -361,7 +368,7 @@ impl<'m> Search<'m> {
                 return Narrowed::Refuted;
             }
             // However narrow the interval, the tolerance alone leaves it open.
-            Goal::Above(margin) if upper - bounds.rest[lane] <= margin || fall < NARROWEST => {
+            Goal::Above(margin) if upper - rest <= margin || fall < NARROWEST => {
                 return Narrowed::Undecided;
             }
             Goal::Above(_) => {}
@@ -435,7 +442,7 @@ impl Found {
     #[inline(always)]
     fn settle(
         &mut self,
-        bounds: &PairBounds,
+        lower: &[f64; LANES],
         lanes: u8,
         pair: usize,
         middle: &[f64; LANES],
@@ -444,10 +451,10 @@ impl Found {
         let bar = self.bar();
         let mut open = lanes;
         for (lane, time) in middle.iter().enumerate() {
-            if lanes >> lane & 1 == 1 && bounds.lower[lane] > bar {
+            if lanes >> lane & 1 == 1 && lower[lane] > bar {
                 open &= !(1 << lane);
                 self.proven(At {
-                    distance: bounds.lower[lane],
+                    distance: lower[lane],
                     pair,
                     time: *time,
                 });
