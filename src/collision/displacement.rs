@@ -17,9 +17,11 @@
 
 use std::collections::HashMap;
 
+use super::filter::OUTWARD;
 use super::frames::Frames;
 use super::pairs::Pair;
 use super::part::{Part, PartGeometry};
+use crate::robot::JointKind;
 
 /// The joints between the parts of a pair, from the first to the second.
 #[derive(Debug, Clone)]
@@ -47,16 +49,18 @@ pub(super) struct Step {
 }
 
 /// What rho is wanted of: a part and a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     pub part: usize,
     pub joint: usize,
+    /// However the joints stand, the middle of the ball around the part is no farther from the joint's axis \[m\]; 1 for prismatic joints.
+    pub most: f64,
 }
 
 /// The chain of every pair, and the rows that they share.
 pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Chain>, Vec<Row>) {
     let mut rows: Vec<Row> = Vec::new();
-    let mut numbers: HashMap<Row, usize> = HashMap::new();
+    let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
     let chains = pairs
         .iter()
         .map(|pair| {
@@ -76,8 +80,9 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 .rev()
                 .map(|joint| (joint, 1.0));
             let mut row = |part: usize, joint: usize| {
-                *numbers.entry(Row { part, joint }).or_insert_with(|| {
-                    rows.push(Row { part, joint });
+                *numbers.entry((part, joint)).or_insert_with(|| {
+                    let most = most(frames, &parts[part], joint);
+                    rows.push(Row { part, joint, most });
                     rows.len() - 1
                 })
             };
@@ -94,6 +99,45 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
         })
         .collect();
     (chains, rows)
+}
+
+/// However the joints stand, how far the middle of the ball around a part can be from the axis of a joint.
+fn most(frames: &Frames, part: &Part, joint: usize) -> f64 {
+    let PartGeometry::Convexes { ball, .. } = &part.geometry else {
+        return f64::INFINITY;
+    };
+    let turning = &frames.joints()[joint];
+    if turning.kind == JointKind::Prismatic {
+        return 1.0;
+    }
+    if turning.parent == part.body {
+        let arm = ball.center - turning.translation;
+        return arm.cross(&turning.rotation.column(2)).norm() * OUTWARD;
+    }
+    let above = |body: usize| way(frames, body).into_iter().map(|joint| &frames.joints()[joint]);
+    // What both have above them ends in the same place.
+    let shared = way(frames, part.body)
+        .iter()
+        .rev()
+        .zip(way(frames, turning.body).iter().rev())
+        .take_while(|(x, y)| x == y)
+        .count();
+    let own = |body: usize| above(body).take(way(frames, body).len() - shared);
+    // Only what is across the axis counts of the last way to it.
+    let (mut arm, mut beyond) = (ball.center, 0.0);
+    for joint in own(part.body).chain(own(turning.body)) {
+        if joint.kind == JointKind::Prismatic {
+            return f64::INFINITY;
+        }
+        beyond += arm.norm();
+        arm = joint.translation;
+    }
+    let last = if shared == way(frames, turning.body).len() {
+        arm.xy().norm()
+    } else {
+        arm.norm()
+    };
+    (last + beyond) * OUTWARD
 }
 
 /// The joints from a body to the base.

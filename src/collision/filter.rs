@@ -101,13 +101,15 @@ impl Four {
         }
     }
 
-    /// Less than this \[m\] the distance of a pair cannot be anywhere in the interval, by the balls around its two parts.
+    /// Less than this \[m\] the distance of a pair cannot be anywhere in the interval, by the balls around its two parts: as good as it takes to
+    /// be `enough`, or as they are.
     #[inline(always)]
     pub fn by_balls<S: Simd>(
         &mut self,
         simd: S,
         model: &CollisionModel,
         pair: usize,
+        is_enough: impl Fn(f64x4<S>) -> bool,
     ) -> [f64; LANES] {
         let (a, b) = model.pairs[pair].parts;
         let PartGeometry::Convexes { ball: ball_b, .. } = &model.parts[b].geometry else {
@@ -123,17 +125,25 @@ impl Four {
                 normal.dot(&center) - (half_space.offset() + ball_b.radius)
             }
         };
+        let gap = gap - (model.pairs[pair].padding + self.rounding);
         let chain = &model.chains[pair];
-        for row in chain.rows() {
-            self.update_ball_rho(simd, model, row);
-        }
         let girths = if self.is_plain {
             [model.parts[a].core_radius(), model.parts[b].core_radius()]
         } else {
             [0.0; 2]
         };
-        let [fall] = self.fall(simd, model, chain, &self.ball_rho, girths, [&self.turn]);
-        to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
+        let most = |row: usize| f64x4::splat(simd, model.rows[row].most + self.rounding);
+        let [fall] = self.fall(simd, model, chain, most, girths, [&self.turn]);
+        let lower = gap - fall;
+        if is_enough(lower) {
+            return to_array(lower);
+        }
+        for row in chain.rows() {
+            self.update_ball_rho(simd, model, row);
+        }
+        let rho = |row: usize| f64x4::load_array_ref(simd, &self.ball_rho[row].value);
+        let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
+        to_array(gap - fall)
     }
 
     /// The same by the capsules around them.
@@ -169,7 +179,8 @@ impl Four {
         } else {
             [0.0; 2]
         };
-        let [fall] = self.fall(simd, model, chain, &self.capsule_rho, girths, [&self.turn]);
+        let rho = |row: usize| f64x4::load_array_ref(simd, &self.capsule_rho[row].value);
+        let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
         to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
     }
 
@@ -181,7 +192,8 @@ impl Four {
         let girths = [model.parts[a].girth(), model.parts[b].girth()];
         let turns = [self.turn.as_slice(), &self.tolerance];
         let chain = &model.chains[pair];
-        let [fall, rest] = self.fall(simd, model, chain, &self.capsule_rho, girths, turns);
+        let rho = |row: usize| f64x4::load_array_ref(simd, &self.capsule_rho[row].value);
+        let [fall, rest] = self.fall(simd, model, chain, rho, girths, turns);
         Falls {
             fall: to_array(fall),
             rest: to_array(rest),
@@ -196,7 +208,7 @@ impl Four {
         simd: S,
         model: &CollisionModel,
         chain: &Chain,
-        rho: &[InRound<[f64; LANES]>],
+        rho: impl Fn(usize) -> f64x4<S>,
         girths: [f64; 2],
         turns: [&[[f64; LANES]]; N],
     ) -> [f64x4<S>; N] {
@@ -208,10 +220,9 @@ impl Four {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let first = step.rows.0.map_or(&ENDLESS, |row| &rho[row].value);
-            let first = f64x4::load_array_ref(simd, first) + girths[0] * is_turning;
-            let second = f64x4::load_array_ref(simd, &rho[step.rows.1].value);
-            let second = second + girths[1] * is_turning;
+            let first = step.rows.0.map_or(f64x4::splat(simd, ENDLESS), &rho);
+            let first = first + girths[0] * is_turning;
+            let second = rho(step.rows.1) + girths[1] * is_turning;
             for i in 0..N {
                 let turn = f64x4::load_array_ref(simd, &turns[i][step.joint]);
                 sum[i] += second * turn;
@@ -227,7 +238,7 @@ impl Four {
     #[inline(always)]
     fn update_ball_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
         if self.ball_rho[row].round != self.round {
-            let Row { part, joint } = model.rows[row];
+            let Row { part, joint, .. } = model.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
                 JointKind::Prismatic => f64x4::splat(simd, 1.0),
@@ -247,7 +258,7 @@ impl Four {
     #[inline(always)]
     fn update_capsule_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
         if self.capsule_rho[row].round != self.round {
-            let Row { part, joint } = model.rows[row];
+            let Row { part, joint, .. } = model.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
                 JointKind::Prismatic => f64x4::splat(simd, 1.0),
@@ -299,7 +310,7 @@ impl<T> InRound<T> {
 }
 
 /// The rho of a half-space, far more than any other.
-const ENDLESS: [f64; LANES] = [1e30; LANES];
+const ENDLESS: f64 = 1e30;
 
 /// Sums and products of a few dozen numbers are below this times themselves as computed.
 pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;

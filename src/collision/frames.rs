@@ -45,8 +45,8 @@ pub(super) struct FrameJoint {
     pub multiplier: f64,
     pub offset: f64,
     /// The frame at position 0 in the parent's.
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
+    pub rotation: Matrix3<f64>,
+    pub translation: Vector3<f64>,
 }
 
 impl Frames {

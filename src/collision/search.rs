@@ -6,7 +6,7 @@ use super::frames::lane_of;
 use super::part::PartGeometry;
 use crate::geometry::{Warm, rough_separation, separation_with, signed_distance_with};
 use crate::motion::{LANES, Motion, Tube};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f64x4};
 
 /// What falls by less than this \[m\] over an interval is not split any more: the answer hangs on less.
 const NARROWEST: f64 = 1e-9;
@@ -208,7 +208,10 @@ impl<'m> Search<'m> {
                 if lanes == 0 {
                     continue;
                 }
-                let balls = self.four.by_balls(simd, model, pair);
+                let bar = f64x4::splat(simd, found.bar());
+                let is_enough =
+                    |lower: f64x4<S>| lower.simd_gt(bar).to_bitmask() as u8 & lanes == lanes;
+                let balls = self.four.by_balls(simd, model, pair, is_enough);
                 let mut open = found.settle(&balls, lanes, pair, &middle, count);
                 if open == 0 {
                     continue;
