@@ -17,7 +17,7 @@ use fearless_simd::Simd;
 use nalgebra::Vector3;
 
 use super::CollisionModel;
-use super::filter::{Four, OUTWARD};
+use super::filter::{Batch, OUTWARD};
 use super::frames::lane_of;
 use crate::geometry::Placed;
 use crate::robot::JointKind;
@@ -33,7 +33,7 @@ pub(super) struct Bends {
     rest: f64,
 }
 
-impl Four {
+impl Batch {
     /// What bounds a pair to second order on interval number `lane`, of half width `half` \[s\]; capsules must have been asked.
     #[inline(always)]
     pub fn bends(&self, model: &CollisionModel, pair: usize, lane: usize, half: f64) -> Bends {

@@ -1,6 +1,6 @@
-//! What balls and capsules around the parts prove, for four intervals of time at once.
+//! What balls and capsules around the parts prove, for several intervals of time at once.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 
 use super::CollisionModel;
 use super::displacement::{Chain, Row, Step};
@@ -9,8 +9,8 @@ use super::part::PartGeometry;
 use crate::motion::{LANES, TubeRows};
 use crate::robot::JointKind;
 
-/// Four intervals of time: where everything is in their middles, and how far from there it can be.
-pub(super) struct Four {
+/// Batch intervals of time: where everything is in their middles, and how far from there it can be.
+pub(super) struct Batch {
     /// Of the motion.
     pub rows: TubeRows,
     /// Of each body.
@@ -41,7 +41,7 @@ struct InRound<T> {
     round: u64,
 }
 
-/// By how much the distance of a pair falls at most in four intervals.
+/// By how much the distance of a pair falls at most in the intervals of a batch.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Falls {
     /// From what it is in the middle \[m\].
@@ -50,7 +50,7 @@ pub(super) struct Falls {
     pub rest: [f64; LANES],
 }
 
-impl Four {
+impl Batch {
     pub fn new(model: &CollisionModel) -> Self {
         let zero = [0.0; LANES];
         Self {
@@ -74,22 +74,20 @@ impl Four {
         self.round += 1;
         model
             .frames
-            .place_four(simd, &self.rows.position, &mut self.placed);
-        let mut slid: f64 = 0.0;
+            .place_lanes(simd, &self.rows.position, &mut self.placed);
+        let mut slid = 0.0;
         for (i, joint) in model.frames.joints().iter().enumerate() {
-            let (radius, tolerance) = (&self.rows.radius[joint.index], tolerance[joint.index]);
             let size = joint.multiplier.abs() * OUTWARD;
-            self.tolerance[i] = [size * tolerance; LANES];
-            let mut farthest: f64 = 0.0;
-            let rows = self.rows.position[joint.index].iter().zip(radius);
-            for (turn, (position, radius)) in self.turn[i].iter_mut().zip(rows) {
-                // What the joint's own position is rounded by, multiplied and shifted.
-                let position = (joint.multiplier * position).abs() + joint.offset.abs();
-                *turn = size * (radius + tolerance) + 4.0 * f64::EPSILON * position;
-                farthest = farthest.max(position);
-            }
+            let tolerance = size * tolerance[joint.index];
+            self.tolerance[i] = [tolerance; LANES];
+            // What the joint's own position is rounded by, multiplied and shifted.
+            let position = f64x8::load_array_ref(simd, &self.rows.position[joint.index]);
+            let position = (position * joint.multiplier).abs() + joint.offset.abs();
+            let radius = f64x8::load_array_ref(simd, &self.rows.radius[joint.index]);
+            let turn = radius * size + tolerance + position * (4.0 * f64::EPSILON);
+            turn.store_slice(&mut self.turn[i]);
             if joint.kind == JointKind::Prismatic {
-                slid += farthest;
+                slid += position.reduce_max();
             }
         }
         self.rounding = model.rounding + model.rounding_of(slid);
@@ -109,7 +107,7 @@ impl Four {
         simd: S,
         model: &CollisionModel,
         pair: usize,
-        is_enough: impl Fn(f64x4<S>) -> bool,
+        is_enough: impl Fn(f64x8<S>) -> bool,
     ) -> [f64; LANES] {
         let (a, b) = model.pairs[pair].parts;
         let PartGeometry::Convexes { ball: ball_b, .. } = &model.parts[b].geometry else {
@@ -132,7 +130,7 @@ impl Four {
         } else {
             [0.0; 2]
         };
-        let most = |row: usize| f64x4::splat(simd, model.rows[row].most + self.rounding);
+        let most = |row: usize| f64x8::splat(simd, model.rows[row].most + self.rounding);
         let [fall] = self.fall(simd, model, chain, most, girths, [&self.turn]);
         let lower = gap - fall;
         if is_enough(lower) {
@@ -141,7 +139,7 @@ impl Four {
         for row in chain.rows() {
             self.update_ball_rho(simd, model, row);
         }
-        let rho = |row: usize| f64x4::load_array_ref(simd, &self.ball_rho[row].value);
+        let rho = |row: usize| f64x8::load_array_ref(simd, &self.ball_rho[row].value);
         let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
         to_array(gap - fall)
     }
@@ -179,7 +177,7 @@ impl Four {
         } else {
             [0.0; 2]
         };
-        let rho = |row: usize| f64x4::load_array_ref(simd, &self.capsule_rho[row].value);
+        let rho = |row: usize| f64x8::load_array_ref(simd, &self.capsule_rho[row].value);
         let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
         to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
     }
@@ -192,7 +190,7 @@ impl Four {
         let girths = [model.parts[a].girth(), model.parts[b].girth()];
         let turns = [self.turn.as_slice(), &self.tolerance];
         let chain = &model.chains[pair];
-        let rho = |row: usize| f64x4::load_array_ref(simd, &self.capsule_rho[row].value);
+        let rho = |row: usize| f64x8::load_array_ref(simd, &self.capsule_rho[row].value);
         let [fall, rest] = self.fall(simd, model, chain, rho, girths, turns);
         Falls {
             fall: to_array(fall),
@@ -208,11 +206,11 @@ impl Four {
         simd: S,
         model: &CollisionModel,
         chain: &Chain,
-        rho: impl Fn(usize) -> f64x4<S>,
+        rho: impl Fn(usize) -> f64x8<S>,
         girths: [f64; 2],
         turns: [&[[f64; LANES]]; N],
-    ) -> [f64x4<S>; N] {
-        let zero = f64x4::splat(simd, 0.0);
+    ) -> [f64x8<S>; N] {
+        let zero = f64x8::splat(simd, 0.0);
         // The sum of all by the second; what it changes when those up to a joint are by the first, and the least of that.
         let (mut sum, mut change, mut least) = ([zero; N], [zero; N], [zero; N]);
         for step in &chain.steps {
@@ -220,11 +218,11 @@ impl Four {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let first = step.rows.0.map_or(f64x4::splat(simd, ENDLESS), &rho);
+            let first = step.rows.0.map_or(f64x8::splat(simd, ENDLESS), &rho);
             let first = first + girths[0] * is_turning;
             let second = rho(step.rows.1) + girths[1] * is_turning;
             for i in 0..N {
-                let turn = f64x4::load_array_ref(simd, &turns[i][step.joint]);
+                let turn = f64x8::load_array_ref(simd, &turns[i][step.joint]);
                 sum[i] += second * turn;
                 change[i] += (first - second) * turn;
                 least[i] = least[i].min(change[i]);
@@ -241,7 +239,7 @@ impl Four {
             let Row { part, joint, .. } = model.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
-                JointKind::Prismatic => f64x4::splat(simd, 1.0),
+                JointKind::Prismatic => f64x8::splat(simd, 1.0),
                 JointKind::Revolute => {
                     let placed = Poses::load(simd, &self.placed[joint.body]);
                     let arm = self.center(simd, part).sub(&placed.origin);
@@ -261,7 +259,7 @@ impl Four {
             let Row { part, joint, .. } = model.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
-                JointKind::Prismatic => f64x4::splat(simd, 1.0),
+                JointKind::Prismatic => f64x8::splat(simd, 1.0),
                 JointKind::Revolute => {
                     let placed = Poses::load(simd, &self.placed[joint.body]);
                     let [first, second] = self.ends(simd, model, part);
@@ -319,7 +317,7 @@ pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;
 const UNKNOWN: [f64; LANES] = [f64::NEG_INFINITY; LANES];
 
 #[inline(always)]
-fn to_array<S: Simd>(lanes: f64x4<S>) -> [f64; LANES] {
+fn to_array<S: Simd>(lanes: f64x8<S>) -> [f64; LANES] {
     let mut array = [0.0; LANES];
     lanes.store_slice(&mut array);
     array
@@ -328,9 +326,9 @@ fn to_array<S: Simd>(lanes: f64x4<S>) -> [f64; LANES] {
 /// A lower bound on the distance of two segments: what separates them along the direction between the points that are found to be
 /// nearest (Ericson, "Real-Time Collision Detection", 2005, section 5.1.9), nearest or not.
 #[inline(always)]
-fn segment_gap<S: Simd>(simd: S, a: &[V3<S>; 2], b: &[V3<S>; 2]) -> f64x4<S> {
-    let zero = f64x4::splat(simd, 0.0);
-    let tiny = f64x4::splat(simd, f64::MIN_POSITIVE);
+fn segment_gap<S: Simd>(simd: S, a: &[V3<S>; 2], b: &[V3<S>; 2]) -> f64x8<S> {
+    let zero = f64x8::splat(simd, 0.0);
+    let tiny = f64x8::splat(simd, f64::MIN_POSITIVE);
     let (along_a, along_b) = (a[1].sub(&a[0]), b[1].sub(&b[0]));
     let between = a[0].sub(&b[0]);
     let (aa, bb) = (along_a.dot(&along_a), along_b.dot(&along_b));
@@ -354,6 +352,6 @@ fn segment_gap<S: Simd>(simd: S, a: &[V3<S>; 2], b: &[V3<S>; 2]) -> f64x4<S> {
 }
 
 #[inline(always)]
-fn within_one<S: Simd>(simd: S, x: f64x4<S>) -> f64x4<S> {
-    x.max(f64x4::splat(simd, 0.0)).min(f64x4::splat(simd, 1.0))
+fn within_one<S: Simd>(simd: S, x: f64x8<S>) -> f64x8<S> {
+    x.max(f64x8::splat(simd, 0.0)).min(f64x8::splat(simd, 1.0))
 }

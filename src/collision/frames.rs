@@ -1,6 +1,6 @@
-//! Forward kinematics in frames whose z axes are the joints' axes, for one configuration or four at once.
+//! Forward kinematics in frames whose z axes are the joints' axes, for one configuration or several at once.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x4};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
 use crate::elementary;
@@ -8,7 +8,7 @@ use crate::geometry::Placement;
 use crate::motion::LANES;
 use crate::robot::{JointKind, Robot};
 
-/// Rotation (columns) and origin of a body in the base frame, in four configurations.
+/// Rotation (columns) and origin of a body in the base frame, in several configurations.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Poses<S: Simd> {
     pub x: V3<S>,
@@ -17,11 +17,11 @@ pub(super) struct Poses<S: Simd> {
     pub origin: V3<S>,
 }
 
-/// A vector in four configurations.
+/// A vector in several configurations.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct V3<S: Simd>(pub [f64x4<S>; 3]);
+pub(super) struct V3<S: Simd>(pub [f64x8<S>; 3]);
 
-/// Twelve numbers of four configurations: the columns of the rotation, then the origin.
+/// Twelve numbers of several configurations: the columns of the rotation, then the origin.
 pub(super) type Stored = [[f64; LANES]; 12];
 
 /// The tree of bodies. A body's frame is turned so that its z axis is the axis of its joint: then every revolute joint turns
@@ -139,9 +139,9 @@ impl Frames {
         }
     }
 
-    /// The frames of all bodies at four configurations, one row of `q` a joint.
+    /// The frames of all bodies at several configurations, one row of `q` a joint.
     #[inline(always)]
-    pub fn place_four<S: Simd>(&self, simd: S, q: &[[f64; LANES]], placed: &mut [Stored]) {
+    pub fn place_lanes<S: Simd>(&self, simd: S, q: &[[f64; LANES]], placed: &mut [Stored]) {
         let unit = |i: usize| {
             [
                 f64::from(u8::from(i == 0)),
@@ -170,16 +170,16 @@ impl Frames {
             }
             match joint.kind {
                 JointKind::Revolute => {
-                    let (sin, cos) = sin_cos_four(&position);
-                    let sin = f64x4::load_array_ref(simd, &sin);
-                    let cos = f64x4::load_array_ref(simd, &cos);
+                    let (sin, cos) = sin_cos_lanes(&position);
+                    let sin = f64x8::load_array_ref(simd, &sin);
+                    let cos = f64x8::load_array_ref(simd, &cos);
                     (x, y) = (
                         x.scaled(cos).add(&y.scaled(sin)),
                         y.scaled(cos).sub(&x.scaled(sin)),
                     );
                 }
                 JointKind::Prismatic => {
-                    origin = origin.add(&z.scaled(f64x4::load_array_ref(simd, &position)));
+                    origin = origin.add(&z.scaled(f64x8::load_array_ref(simd, &position)));
                 }
             }
             Poses { x, y, z, origin }.store(&mut placed[joint.body]);
@@ -209,7 +209,7 @@ fn sin_cos(x: f64) -> (f64, f64) {
 }
 
 #[inline(always)]
-fn sin_cos_four(x: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
+fn sin_cos_lanes(x: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
     let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
         (sin[lane], cos[lane]) = elementary::sin_cos(x[lane]);
@@ -223,7 +223,7 @@ fn sin_cos_four(x: &[f64; LANES]) -> ([f64; LANES], [f64; LANES]) {
     (sin, cos)
 }
 
-/// One of four configurations.
+/// One of several configurations.
 pub(super) fn lane_of(stored: &Stored, lane: usize) -> Placement {
     let at = |i: usize| stored[i][lane];
     Placement {
@@ -245,7 +245,7 @@ pub(super) fn lane_of(stored: &Stored, lane: usize) -> Placement {
 impl<S: Simd> Poses<S> {
     #[inline(always)]
     pub fn load(simd: S, stored: &Stored) -> Self {
-        let at = |i: usize| f64x4::load_array_ref(simd, &stored[i]);
+        let at = |i: usize| f64x8::load_array_ref(simd, &stored[i]);
         Self {
             x: V3([at(0), at(1), at(2)]),
             y: V3([at(3), at(4), at(5)]),
@@ -282,9 +282,9 @@ impl<S: Simd> V3<S> {
     #[inline(always)]
     pub fn load(simd: S, [x, y, z]: &[[f64; LANES]; 3]) -> Self {
         Self([
-            f64x4::load_array_ref(simd, x),
-            f64x4::load_array_ref(simd, y),
-            f64x4::load_array_ref(simd, z),
+            f64x8::load_array_ref(simd, x),
+            f64x8::load_array_ref(simd, y),
+            f64x8::load_array_ref(simd, z),
         ])
     }
 
@@ -298,9 +298,9 @@ impl<S: Simd> V3<S> {
     #[inline(always)]
     pub fn splat(simd: S, v: &[f64; 3]) -> Self {
         Self([
-            f64x4::splat(simd, v[0]),
-            f64x4::splat(simd, v[1]),
-            f64x4::splat(simd, v[2]),
+            f64x8::splat(simd, v[0]),
+            f64x8::splat(simd, v[1]),
+            f64x8::splat(simd, v[2]),
         ])
     }
 
@@ -317,13 +317,13 @@ impl<S: Simd> V3<S> {
     }
 
     #[inline(always)]
-    pub fn scaled(&self, s: f64x4<S>) -> Self {
+    pub fn scaled(&self, s: f64x8<S>) -> Self {
         let [a, b, c] = self.0;
         Self([a * s, b * s, c * s])
     }
 
     #[inline(always)]
-    pub fn dot(&self, o: &Self) -> f64x4<S> {
+    pub fn dot(&self, o: &Self) -> f64x8<S> {
         let ([a, b, c], [d, e, f]) = (self.0, o.0);
         a * d + b * e + c * f
     }
@@ -335,7 +335,7 @@ impl<S: Simd> V3<S> {
     }
 
     #[inline(always)]
-    pub fn norm(&self) -> f64x4<S> {
+    pub fn norm(&self) -> f64x8<S> {
         self.dot(self).sqrt()
     }
 }

@@ -1,12 +1,14 @@
 //! The tree of intervals behind the certificate and the minimum clearance.
 
 use super::CollisionModel;
-use super::filter::Four;
+use super::filter::Batch;
 use super::frames::lane_of;
 use super::part::PartGeometry;
-use crate::geometry::{Warm, rough_separation, separation_with, signed_distance_with};
+use crate::geometry::{
+    Warm, rough_separation, separation_until, separation_with, signed_distance_with,
+};
 use crate::motion::{LANES, Motion, Tube};
-use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f64x4};
+use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f64x8};
 
 /// What falls by less than this \[m\] over an interval is not split any more: the answer hangs on less.
 const NARROWEST: f64 = 1e-9;
@@ -86,14 +88,14 @@ struct Node {
 /// Memory for searches on one model; nothing is allocated for a search once it has grown.
 pub(super) struct Search<'m> {
     model: &'m CollisionModel,
-    four: Four,
+    batch: Batch,
     /// Of each pair of convex shapes, the direction that separated them last.
     warm: Vec<Warm>,
     pieces: Vec<(f64, f64)>,
     nodes: Vec<Node>,
     /// Pairs of the nodes: all, which every piece has, then those of the halves, of the last one at the end.
     open: Vec<usize>,
-    /// Of each pair, in which of four intervals it is open, as bits.
+    /// Of each pair, in which intervals of the batch it is open, as bits.
     lanes: Vec<u8>,
     /// Of each interval, what is left open.
     left: [Vec<usize>; LANES],
@@ -103,7 +105,7 @@ impl<'m> Search<'m> {
     pub fn new(model: &'m CollisionModel) -> Self {
         Self {
             model,
-            four: Four::new(model),
+            batch: Batch::new(model),
             warm: vec![Warm::default(); model.convex_pairs()],
             pieces: Vec::new(),
             nodes: Vec::new(),
@@ -149,7 +151,7 @@ impl<'m> Search<'m> {
         self.lanes.fill(0);
         self.left.iter_mut().for_each(Vec::clear);
         let mut found = Found::new(goal, keep);
-        self.four.is_plain = keep;
+        self.batch.is_plain = keep;
         let all = &self.model.checked;
         if all.is_empty() {
             return found;
@@ -191,8 +193,8 @@ impl<'m> Search<'m> {
             }
             let middle = nodes.map(|n| n.middle);
             let half = nodes.map(|n| n.half);
-            tube.over_four(&middle, &half, &mut self.four.rows);
-            self.four.place(simd, model, tolerance);
+            tube.over_lanes(&middle, &half, &mut self.batch.rows);
+            self.batch.place(simd, model, tolerance);
             let mut lower = [f64::INFINITY; LANES];
             if let Some(leaves) = &mut found.leaves {
                 for node in &nodes[..count] {
@@ -208,20 +210,20 @@ impl<'m> Search<'m> {
                 if lanes == 0 {
                     continue;
                 }
-                let bar = f64x4::splat(simd, found.bar());
+                let bar = f64x8::splat(simd, found.bar());
                 let is_enough =
-                    |lower: f64x4<S>| lower.simd_gt(bar).to_bitmask() as u8 & lanes == lanes;
-                let balls = self.four.by_balls(simd, model, pair, is_enough);
+                    |lower: f64x8<S>| lower.simd_gt(bar).to_bitmask() as u8 & lanes == lanes;
+                let balls = self.batch.by_balls(simd, model, pair, is_enough);
                 let mut open = found.settle(&balls, lanes, pair, &middle, count);
                 if open == 0 {
                     continue;
                 }
-                let capsules = self.four.by_capsules(simd, model, pair);
+                let capsules = self.batch.by_capsules(simd, model, pair);
                 open = found.settle(&capsules, open, pair, &middle, count);
                 if open == 0 {
                     continue;
                 }
-                let falls = self.four.falls(simd, model, pair);
+                let falls = self.batch.falls(simd, model, pair);
                 for lane in 0..LANES {
                     if open >> lane & 1 == 0 {
                         continue;
@@ -254,7 +256,7 @@ impl<'m> Search<'m> {
         }
     }
 
-    /// Up to four nodes off the stack, as many as are; the others repeat the last. Marks their pairs.
+    /// Up to a batch of nodes off the stack, as many as are; the others repeat the last. Marks their pairs.
     #[inline(always)]
     fn take(&mut self) -> ([Node; LANES], usize) {
         let mut nodes = [self.nodes[self.nodes.len() - 1]; LANES];
@@ -288,15 +290,15 @@ impl<'m> Search<'m> {
         let pair = &model.pairs[at.pair];
         // What is kept apart by more than this is proven.
         let bar = found.bar();
-        let needed = bar + fall + pair.padding + self.four.rounding;
+        let needed = bar + fall + pair.padding + self.batch.rounding;
         let (a, b) = (&model.parts[pair.parts.0], &model.parts[pair.parts.1]);
-        let placed_b = lane_of(&self.four.placed[b.body], lane);
+        let placed_b = lane_of(&self.batch.placed[b.body], lane);
         let PartGeometry::Convexes { convexes, .. } = &b.geometry else {
             return Narrowed::Undecided;
         };
         // Lower bounds over the interval, upper ones in its middle. A tree that is kept holds what falls by the sum over joints alone.
         let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
-        let is_plain = self.four.is_plain;
+        let is_plain = self.batch.is_plain;
         match &a.geometry {
             PartGeometry::HalfSpace(half_space) => {
                 for convex in convexes {
@@ -309,7 +311,7 @@ impl<'m> Search<'m> {
             PartGeometry::Convexes {
                 convexes: others, ..
             } => {
-                let placed_a = lane_of(&self.four.placed[a.body], lane);
+                let placed_a = lane_of(&self.batch.placed[a.body], lane);
                 let first = model.first_convex_pair[at.pair];
                 let combinations = others
                     .iter()
@@ -325,9 +327,19 @@ impl<'m> Search<'m> {
                     }
                     found.work.distances += 1;
                     let warm = &mut self.warm[first + i];
-                    let between = separation_with(simd, placed_a, placed_b, warm, needed);
+                    // What cannot be the least is not measured more closely than it takes to tell how far it falls.
+                    let (beyond, near) = found.of_no_use(pair.padding);
+                    let between =
+                        separation_until(simd, placed_a, placed_b, warm, needed, |lower, upper| {
+                            lower > needed
+                                || match found.goal {
+                                    Goal::Above(_) => upper <= needed,
+                                    Goal::Least(_) => lower > beyond && upper - lower <= near,
+                                }
+                        });
                     let (mut below, mut above) = (between.lower, between.upper);
-                    if matches!(found.goal, Goal::Least(_)) && below <= needed {
+                    let margins = other.margin() + convex.margin();
+                    if matches!(found.goal, Goal::Least(_)) && above <= FINEST - margins {
                         above = signed_distance_with(simd, placed_a, placed_b, warm).distance;
                         // By the plane that this ended with.
                         below =
@@ -338,7 +350,7 @@ impl<'m> Search<'m> {
                         && !is_plain
                         && let Some(direction) = warm.direction(placed_a.placement)
                     {
-                        let bends = self.four.bends(model, at.pair, lane, half);
+                        let bends = self.batch.bends(model, at.pair, lane, half);
                         least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
                     }
                     // What is no number is no proof.
@@ -351,7 +363,7 @@ impl<'m> Search<'m> {
                 }
             }
         }
-        let least = lower - pair.padding - self.four.rounding;
+        let least = lower - pair.padding - self.batch.rounding;
         let least = least.max(known);
         if least > bar {
             found.proven(At {
@@ -475,6 +487,16 @@ impl Found {
             Goal::Least(accuracy) => self
                 .upper
                 .map_or(f64::INFINITY, |at| at.distance - accuracy),
+        }
+    }
+
+    /// While the least distance is sought: above which distance \[m\] of a pair with this padding nothing is found, and how near its bounds must then
+    /// be.
+    #[inline(always)]
+    fn of_no_use(&self, padding: f64) -> (f64, f64) {
+        match (self.goal, &self.upper) {
+            (Goal::Least(accuracy), Some(best)) => (best.distance + padding, accuracy / 8.0),
+            _ => (f64::INFINITY, 0.0),
         }
     }
 

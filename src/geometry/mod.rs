@@ -16,7 +16,7 @@ pub use distance::{
     HalfSpace, Separation, SignedDistance, Warm, intersects, rough_separation, separation,
     signed_distance,
 };
-pub(crate) use distance::{separation_with, signed_distance_with};
+pub(crate) use distance::{separation_until, separation_with, signed_distance_with};
 pub use enclosing::{Ball, BoundingCapsule};
 pub use enclosure::Enclosure;
 pub use hull::Hull;

@@ -13,8 +13,8 @@ pub use waypoints::{Waypoint, Waypoints};
 
 use crate::fourier::{Derivative, Extremes, Interval, Joints, State};
 
-/// Intervals that a [`Tube`] is asked about together: as many numbers as a vector of most processors holds.
-pub const LANES: usize = 4;
+/// Intervals that a [`Tube`] is asked about together: two vectors of four numbers, so that neither waits for the other, or one of eight.
+pub const LANES: usize = 8;
 
 /// A motion of a robot's joints over a stretch of time: a state at each instant, and rigorous bounds over intervals.
 ///
@@ -52,7 +52,7 @@ pub trait Motion: Sync {
 /// Encloses the positions of all joints over intervals of time.
 pub trait Tube {
     /// Appends intervals (middle, half width) \[s\] that cover the motion from 0 to its duration without a gap and suit it: few
-    /// enough to be quick, short enough that [`over_four`](Self::over_four) is tight. Neighbours share an end.
+    /// enough to be quick, short enough that [`over_lanes`](Self::over_lanes) is tight. Neighbours share an end.
     fn pieces(&self, pieces: &mut Vec<(f64, f64)>);
 
     /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\],
@@ -62,9 +62,9 @@ pub trait Tube {
     /// goes to it as `half` goes to 0.
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]);
 
-    /// [`over`](Self::over) for four intervals at once: what is asked for in inner loops. Without more being known of a motion, it bends by
+    /// [`over`](Self::over) for several intervals at once: what is asked for in inner loops. Without more being known of a motion, it bends by
     /// all that it moves.
-    fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+    fn over_lanes(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
         let TubeRows {
             position,
             radius,
@@ -73,7 +73,11 @@ pub trait Tube {
             single: [q, r],
         } = rows;
         for lane in 0..LANES {
-            self.over(middle[lane], half[lane], q, r);
+            let before = lane.saturating_sub(1);
+            let is_new = lane == 0 || [middle[lane], half[lane]] != [middle[before], half[before]];
+            if is_new {
+                self.over(middle[lane], half[lane], q, r);
+            }
             for joint in 0..q.len() {
                 position[joint][lane] = q[joint];
                 radius[joint][lane] = r[joint];
@@ -84,7 +88,7 @@ pub trait Tube {
     }
 }
 
-/// What is known of a motion on four intervals of time |t - middle| <= half, a row a joint.
+/// What is known of a motion on several intervals of time |t - middle| <= half, a row a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TubeRows {
     /// In the middle \[rad, m\].

@@ -1,6 +1,6 @@
 //! A wave as a motion.
 
-use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x4};
+use fearless_simd::{Level, Simd, SimdBase, dispatch, f64x8};
 
 use super::{LANES, Motion, Tube, TubeRows};
 use crate::elementary::sin_cos;
@@ -89,7 +89,7 @@ impl<'a> WaveTube<'a> {
         }
     }
 
-    /// Position, velocity and acceleration of all joints at four times, and the radii that follow.
+    /// Position, velocity and acceleration of all joints at several times, and the radii that follow.
     #[inline(always)]
     fn evaluate<S: Simd>(
         &mut self,
@@ -104,8 +104,8 @@ impl<'a> WaveTube<'a> {
             // Dividing a late time by the period loses digits of the phase, and neighbouring intervals meet but for rounding.
             late[lane] = 8.0 * f64::EPSILON * (middle[lane].abs() + period);
         }
-        let h = f64x4::load_array_ref(simd, half);
-        let late = f64x4::load_array_ref(simd, &late);
+        let h = f64x8::load_array_ref(simd, half);
+        let late = f64x8::load_array_ref(simd, &late);
         self.turn(simd, middle);
         let joints = self.bounds.len();
         let whole = joints - joints % TOGETHER;
@@ -126,8 +126,8 @@ impl<'a> WaveTube<'a> {
             (sin[lane], cos[lane]) = sin_cos(std::f64::consts::TAU * (turns - turns.floor()));
         }
         let one = [
-            f64x4::load_array_ref(simd, &cos),
-            f64x4::load_array_ref(simd, &sin),
+            f64x8::load_array_ref(simd, &cos),
+            f64x8::load_array_ref(simd, &sin),
         ];
         let two = product(one, one);
         let (mut odd, mut even) = (one, two);
@@ -149,18 +149,18 @@ impl<'a> WaveTube<'a> {
         &self,
         simd: S,
         first: usize,
-        [h, late]: [f64x4<S>; 2],
+        [h, late]: [f64x8<S>; 2],
         rows: &mut TubeRows,
     ) {
         let w = self.wave.angular_frequency();
         let harmonics = self.turns.len();
         let terms = &self.terms[first * harmonics..][..J * harmonics];
-        let zero = f64x4::splat(simd, 0.0);
+        let zero = f64x8::splat(simd, 0.0);
         let (mut value, mut slope, mut curvature) = ([zero; J], [zero; J], [zero; J]);
         let mut k = 1.0;
         for (i, [cos, sin]) in self.turns.iter().enumerate() {
-            let c = f64x4::load_array_ref(simd, cos);
-            let s = f64x4::load_array_ref(simd, sin);
+            let c = f64x8::load_array_ref(simd, cos);
+            let s = f64x8::load_array_ref(simd, sin);
             for j in 0..J {
                 let [a, b] = terms[j * harmonics + i];
                 let even = c * a + s * b;
@@ -183,7 +183,7 @@ impl<'a> WaveTube<'a> {
             let bend = by_second.min(by_third);
             let moved = (h * slope + bend)
                 .min(h * s1)
-                .min(f64x4::splat(simd, 2.0 * s0));
+                .min(f64x8::splat(simd, 2.0 * s0));
             let rounding = late * s1 + bounds.rounding[0];
             let bend = bend * OUTWARD + h * bounds.rounding[1] + rounding;
             (value[j] + bounds.offset).store_slice(&mut rows.position[first + j]);
@@ -202,7 +202,7 @@ const TOGETHER: usize = 3;
 
 /// Of complex numbers.
 #[inline(always)]
-fn product<S: Simd>(a: [f64x4<S>; 2], b: [f64x4<S>; 2]) -> [f64x4<S>; 2] {
+fn product<S: Simd>(a: [f64x8<S>; 2], b: [f64x8<S>; 2]) -> [f64x8<S>; 2] {
     [a[0] * b[0] - a[1] * b[1], a[1] * b[0] + a[0] * b[1]]
 }
 
@@ -219,13 +219,13 @@ impl Tube for WaveTube<'_> {
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
         let joints = self.bounds.len();
         let mut rows = TubeRows::new(joints);
-        self.over_four(&[middle; LANES], &[half; LANES], &mut rows);
+        self.over_lanes(&[middle; LANES], &[half; LANES], &mut rows);
         for joint in 0..joints {
             (position[joint], radius[joint]) = (rows.position[joint][0], rows.radius[joint][0]);
         }
     }
 
-    fn over_four(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+    fn over_lanes(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
         dispatch!(Level::new(), simd => self.evaluate(simd, middle, half, rows));
     }
 }
@@ -264,7 +264,7 @@ mod tests {
                 let (middle, half) = (-4.0 + 0.31 * f64::from(n), 0.5 / f64::from(1 << (n % 12)));
                 tube.over(middle, half, &mut q, &mut r);
                 let mut rows = TubeRows::new(3);
-                tube.over_four(&[middle; LANES], &[half; LANES], &mut rows);
+                tube.over_lanes(&[middle; LANES], &[half; LANES], &mut rows);
                 for i in 0..=20 {
                     let t = middle + half * (f64::from(i) / 10.0 - 1.0);
                     let at = wave.position(t);

@@ -105,6 +105,21 @@ pub(crate) fn separation_with<S: Simd>(
     warm: &mut Warm,
     threshold: f64,
 ) -> Separation {
+    let enough = |lower, upper| lower > threshold || upper <= threshold;
+    separation_until(simd, a, b, warm, threshold, enough)
+}
+
+/// Bounds of the signed distance of `a` and `b`: by the plane that held last when the lower one is above `threshold` \[m\]; else until they are
+/// `enough`, or agree.
+#[inline(always)]
+pub(crate) fn separation_until<S: Simd>(
+    simd: S,
+    a: Placed,
+    b: Placed,
+    warm: &mut Warm,
+    threshold: f64,
+    enough: impl Fn(f64, f64) -> bool,
+) -> Separation {
     let margins = a.convex.margin() + b.convex.margin();
     let offset = b.placement.translation - a.placement.translation;
     let slack = slack(a, b, &offset);
@@ -131,7 +146,7 @@ pub(crate) fn separation_with<S: Simd>(
         return Separation::checked(lower - margins - slack, nearest.distance - margins + slack);
     }
     let walk = gjk::walk(simd, cores, &relative, warm, |lower, upper| {
-        lower - margins - slack > threshold || upper - margins + slack <= threshold
+        enough(lower - margins - slack, upper - margins + slack)
     });
     let upper = if walk.inside { 0.0 } else { walk.upper };
     let lower = walk.lower - margins - slack;
