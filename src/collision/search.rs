@@ -19,6 +19,9 @@ const FINEST: f64 = 1e-10;
 /// No more intervals are looked at; what is left is undecided.
 const MOST_INTERVALS: usize = 4_000_000;
 
+/// No more intervals wait for their level to be gone through.
+const WIDEST: usize = 1 << 14;
+
 /// What is looked for.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Goal {
@@ -85,6 +88,16 @@ struct Node {
     lower: f64,
 }
 
+/// Intervals that are still to be looked at.
+#[derive(Debug, Default)]
+struct Stack {
+    nodes: Vec<Node>,
+    /// Their pairs, those of the last one at the end.
+    open: Vec<usize>,
+    /// How many of them every node shares, at the start.
+    shared: usize,
+}
+
 /// Memory for searches on one model; nothing is allocated for a search once it has grown.
 pub(super) struct Search<'m> {
     model: &'m CollisionModel,
@@ -92,9 +105,9 @@ pub(super) struct Search<'m> {
     /// Of each pair of convex shapes, the direction that separated them last.
     warm: Vec<Warm>,
     pieces: Vec<(f64, f64)>,
-    nodes: Vec<Node>,
-    /// Pairs of the nodes: all, which every piece has, then those of the halves, of the last one at the end.
-    open: Vec<usize>,
+    level: Stack,
+    /// Of the halves of what is looked at, while levels are gone through one after the other.
+    next: Stack,
     /// Of each pair, in which intervals of the batch it is open, as bits.
     lanes: Vec<u8>,
     /// Of each interval, what is left open.
@@ -108,8 +121,8 @@ impl<'m> Search<'m> {
             batch: Batch::new(model),
             warm: vec![Warm::default(); model.convex_pairs()],
             pieces: Vec::new(),
-            nodes: Vec::new(),
-            open: Vec::new(),
+            level: Stack::default(),
+            next: Stack::default(),
             lanes: vec![0; model.pairs.len()],
             left: std::array::from_fn(|_| Vec::new()),
         }
@@ -145,8 +158,8 @@ impl<'m> Search<'m> {
     fn start<T: Tube>(&mut self, tube: &mut T, goal: Goal, tolerance: &[f64], keep: bool) -> Found {
         // So that a search gives the same whatever was searched before.
         self.warm.fill(Warm::default());
-        self.nodes.clear();
-        self.open.clear();
+        self.level.clear();
+        self.next.clear();
         // A refutation leaves these as they were.
         self.lanes.fill(0);
         self.left.iter_mut().for_each(Vec::clear);
@@ -156,12 +169,13 @@ impl<'m> Search<'m> {
         if all.is_empty() {
             return found;
         }
-        self.open.extend_from_slice(all);
+        self.level.open.extend_from_slice(all);
+        self.level.shared = all.len();
         if matches!(goal, Goal::Least(_)) {
             scatter(&mut self.pieces);
         }
         for (middle, half) in self.pieces.iter().rev() {
-            self.nodes.push(Node {
+            self.level.nodes.push(Node {
                 middle: *middle,
                 half: *half,
                 pairs: (0, all.len()),
@@ -181,8 +195,19 @@ impl<'m> Search<'m> {
         found: &mut Found,
     ) {
         let model = self.model;
-        while !self.nodes.is_empty() {
-            let (nodes, count) = self.take();
+        let is_least = matches!(found.goal, Goal::Least(_));
+        loop {
+            if self.level.nodes.is_empty() {
+                std::mem::swap(&mut self.level, &mut self.next);
+                self.next.clear();
+            }
+            if self.level.nodes.is_empty() {
+                return;
+            }
+            let (nodes, count) = self.take(found);
+            if count == 0 {
+                continue;
+            }
             found.work.intervals += count;
             if found.work.intervals > MOST_INTERVALS {
                 for node in &nodes[..count] {
@@ -251,27 +276,40 @@ impl<'m> Search<'m> {
                 }
             }
             for lane in (0..count).rev() {
-                self.split(&nodes[lane], lane, lower[lane]);
+                self.split(&nodes[lane], lane, lower[lane], is_least);
             }
         }
     }
 
     /// Up to a batch of nodes off the stack, as many as are; the others repeat the last. Marks their pairs.
     #[inline(always)]
-    fn take(&mut self) -> ([Node; LANES], usize) {
-        let mut nodes = [self.nodes[self.nodes.len() - 1]; LANES];
-        let count = self.nodes.len().min(LANES);
-        let mut start = self.open.len();
-        for (lane, slot) in nodes.iter_mut().enumerate() {
-            let Some(node) = self.nodes.pop() else { break };
-            for pair in &self.open[node.pairs.0..node.pairs.1] {
-                self.lanes[*pair] |= 1 << lane;
+    fn take(&mut self, found: &mut Found) -> ([Node; LANES], usize) {
+        let level = &mut self.level;
+        let mut nodes = [level.nodes[level.nodes.len() - 1]; LANES];
+        let mut count = 0;
+        let bar = found.bar();
+        let mut start = level.open.len();
+        while count < LANES
+            && let Some(node) = level.nodes.pop()
+        {
+            start = node.pairs.0;
+            let pairs = &level.open[node.pairs.0..node.pairs.1];
+            // What was found since may be below all that the parent left open.
+            if node.lower > bar {
+                found.proven(At {
+                    distance: node.lower,
+                    pair: pairs[0],
+                    time: node.middle,
+                });
+                continue;
             }
-            start = start.min(node.pairs.0);
-            *slot = node;
+            for pair in pairs {
+                self.lanes[*pair] |= 1 << count;
+            }
+            nodes[count..].fill(node);
+            count += 1;
         }
-        // The first are those of every piece.
-        self.open.truncate(start.max(self.model.checked.len()));
+        level.open.truncate(start.max(level.shared));
         (nodes, count)
     }
 
@@ -405,22 +443,37 @@ impl<'m> Search<'m> {
 
     /// Puts the two halves of a node on the stack, with the pairs that are left of it.
     #[inline(always)]
-    fn split(&mut self, node: &Node, lane: usize, lower: f64) {
+    fn split(&mut self, node: &Node, lane: usize, lower: f64, is_least: bool) {
         if self.left[lane].is_empty() {
             return;
         }
+        // The least distance is nearly known when a level has been gone through; only then is it split.
+        let is_by_level = is_least && self.next.nodes.len() < WIDEST;
+        let stack = if is_by_level {
+            &mut self.next
+        } else {
+            &mut self.level
+        };
         let half = node.half / 2.0;
         for middle in [node.middle + half, node.middle - half] {
-            let start = self.open.len();
-            self.open.extend_from_slice(&self.left[lane]);
-            self.nodes.push(Node {
+            let start = stack.open.len();
+            stack.open.extend_from_slice(&self.left[lane]);
+            stack.nodes.push(Node {
                 middle,
                 half,
-                pairs: (start, self.open.len()),
+                pairs: (start, stack.open.len()),
                 lower,
             });
         }
         self.left[lane].clear();
+    }
+}
+
+impl Stack {
+    fn clear(&mut self) {
+        self.nodes.clear();
+        self.open.clear();
+        self.shared = 0;
     }
 }
 
