@@ -1,34 +1,22 @@
 //! No motion is proven clear that touches, and none is said to touch that does not: against parry on a grid of a kilohertz.
-//!
-//! `UNDULATE_WAVES=100000` runs the fuzz in full, that many waves on each robot: some minutes.
-//!
-//! What it can see: a proof or a rejection that is wrong for one of these waves on one of these robots by more than
-//! [`ROUNDING`], at a sample. A bound is compared, not only a touch, so a proof is caught that claims too much without
-//! being fatal. Waves are drawn independently; so when none of n proofs is found wrong, the probability that a proof of
-//! such a wave is found wrong is, at a confidence of 99 %, below the bound of Clopper and Pearson that is printed with the
-//! tally; for rejections likewise.
-//!
-//! What it cannot see: failures rarer than that; what happens between samples only; waves of another kind, other motions,
-//! scenes, paddings and tolerances of joints, and other robots; pairs that the model leaves out; and mistakes that both
-//! sides share, in reading the robot and its hulls, in evaluating waves, and in the poses of bodies.
 
 mod advancement;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/dense.rs"]
 mod dense;
+mod fuzz;
 mod halved;
 mod robots;
 mod verified;
 #[path = "../common/waves.rs"]
 mod waves;
 
-use advancement::Advancement;
 use dense::Dense;
 use robots::carousel;
 use undulate::{
-    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Robot, Scene,
-    SceneObject, SceneShape, Shape, Wave, clopper_pearson, nalgebra, shipped, stream,
+    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Scene, SceneObject,
+    SceneShape, Shape, Wave, nalgebra, shipped, stream,
 };
 use waves::random_wave;
 
@@ -39,84 +27,10 @@ const HARMONICS: usize = 26;
 const RATE: f64 = 1000.0;
 /// Two ways of computing a distance may differ by this \[m\].
 const ROUNDING: f64 = 1e-9;
-/// Waves between two words on how far the fuzz is.
-const PROGRESS: u64 = 10_000;
-
-/// How many waves came to what.
-#[derive(Default, Debug)]
-struct Tally {
-    clear: usize,
-    collides: usize,
-    undecided: usize,
-}
 
 /// The grid on which a wave is looked at.
 fn grid() -> PeriodGrid {
     PeriodGrid::new((PERIOD * RATE).ceil() as usize, HARMONICS)
-}
-
-/// What the probability of a failure is below at a confidence of 99 %, after none in `trials`.
-fn rarer_than(trials: usize) -> f64 {
-    // The interval leaves half of the rest above it.
-    clopper_pearson(0, trials as u64, 0.98).1
-}
-
-/// Puts waves through the certificate and through samples.
-fn fuzz(robot: &Robot, model: &CollisionModel, seed: u64, waves: u64) -> Tally {
-    let dense = Dense::new(robot, model);
-    let advancement = Advancement::new(robot, &dense, grid());
-    let mut prover = model.prover();
-    let mut tally = Tally::default();
-    for number in 0..waves {
-        let wave = random_wave(robot, HARMONICS, PERIOD, 0.6, &mut stream(seed, number));
-        match prover.certify(&wave, 0.0, &[]).unwrap() {
-            Certification::Clear { bound, .. } => {
-                tally.clear += 1;
-                assert!(bound.distance > 0.0);
-                let claimed = bound.distance - ROUNDING;
-                let sampled = advancement.clearance(robot, &wave, claimed);
-                assert!(
-                    sampled >= claimed,
-                    "wave {number}: {bound:?}, sampled {sampled}"
-                );
-            }
-            Certification::Collides { witness, .. } => {
-                tally.collides += 1;
-                let q = wave.position(witness.time);
-                let sampled = dense.at(robot, q.as_slice(), f64::INFINITY);
-                assert!(
-                    sampled <= ROUNDING,
-                    "wave {number}: {witness:?}, sampled {sampled}"
-                );
-            }
-            Certification::Undecided { .. } => tally.undecided += 1,
-        }
-        if (number + 1) % PROGRESS == 0 {
-            println!("{}: {} waves, {tally:?}", robot.name(), number + 1);
-        }
-    }
-    tally
-}
-
-#[test]
-fn no_false_certificate_and_no_false_rejection() {
-    let asked =
-        std::env::var("UNDULATE_WAVES").map(|n| n.parse().expect("UNDULATE_WAVES is a number"));
-    let (mut clear, mut collides) = (0, 0);
-    for (name, robot, options, some) in robots::robots() {
-        let model = CollisionModel::new(&robot, &options).unwrap();
-        let waves = asked.clone().unwrap_or(some);
-        let tally = fuzz(&robot, &model, 1, waves);
-        println!(
-            "{name}: {waves} waves, {tally:?}; at 99 % fewer than {:.2e} of proofs and {:.2e} of rejections are wrong",
-            rarer_than(tally.clear),
-            rarer_than(tally.collides)
-        );
-        assert!(1000 * tally.undecided < waves as usize, "{name}: {tally:?}");
-        clear += tally.clear;
-        collides += tally.collides;
-    }
-    assert!(clear > 0 && collides > 0);
 }
 
 #[test]
