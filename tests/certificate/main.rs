@@ -1,11 +1,11 @@
 //! No motion is proven clear that touches, and none is said to touch that does not: against parry on a grid of a kilohertz.
-//!
-//! `UNDULATE_WAVES=100000` runs the fuzz in full, that many waves on each robot: some hours.
 
+mod advancement;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/dense.rs"]
 mod dense;
+mod fuzz;
 mod halved;
 mod robots;
 mod verified;
@@ -15,7 +15,7 @@ mod waves;
 use dense::Dense;
 use robots::carousel;
 use undulate::{
-    Certification, CollisionModel, CollisionOptions, HalfSpace, Robot, Scene, SceneObject,
+    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Scene, SceneObject,
     SceneShape, Shape, Wave, nalgebra, shipped, stream,
 };
 use waves::random_wave;
@@ -28,61 +28,9 @@ const RATE: f64 = 1000.0;
 /// Two ways of computing a distance may differ by this \[m\].
 const ROUNDING: f64 = 1e-9;
 
-/// How many waves came to what.
-#[derive(Default, Debug)]
-struct Tally {
-    clear: usize,
-    collides: usize,
-    undecided: usize,
-}
-
-/// Puts waves through the certificate and through samples.
-fn fuzz(robot: &Robot, model: &CollisionModel, seed: u64, waves: u64) -> Tally {
-    let dense = Dense::new(robot, model);
-    let mut prover = model.prover();
-    let mut tally = Tally::default();
-    for number in 0..waves {
-        let wave = random_wave(robot, HARMONICS, PERIOD, 0.6, &mut stream(seed, number));
-        match prover.certify(&wave, 0.0, &[]).unwrap() {
-            Certification::Clear { bound, .. } => {
-                tally.clear += 1;
-                assert!(bound.distance > 0.0);
-                let sampled = dense.clearance(robot, &wave, RATE, bound.distance - ROUNDING);
-                assert!(
-                    sampled >= bound.distance - ROUNDING,
-                    "wave {number}: {bound:?}, sampled {sampled}"
-                );
-            }
-            Certification::Collides { witness, .. } => {
-                tally.collides += 1;
-                let q = wave.position(witness.time);
-                let sampled = dense.at(robot, q.as_slice(), f64::INFINITY);
-                assert!(
-                    sampled <= ROUNDING,
-                    "wave {number}: {witness:?}, sampled {sampled}"
-                );
-            }
-            Certification::Undecided { .. } => tally.undecided += 1,
-        }
-    }
-    tally
-}
-
-#[test]
-fn no_false_certificate_and_no_false_rejection() {
-    let asked =
-        std::env::var("UNDULATE_WAVES").map(|n| n.parse().expect("UNDULATE_WAVES is a number"));
-    let (mut clear, mut collides) = (0, 0);
-    for (name, robot, options, some) in robots::robots() {
-        let model = CollisionModel::new(&robot, &options).unwrap();
-        let waves = asked.clone().unwrap_or(some);
-        let tally = fuzz(&robot, &model, 1, waves);
-        println!("{name}: {waves} waves, {tally:?}");
-        assert!(1000 * tally.undecided < waves as usize, "{name}: {tally:?}");
-        clear += tally.clear;
-        collides += tally.collides;
-    }
-    assert!(clear > 0 && collides > 0);
+/// The grid on which a wave is looked at.
+fn grid() -> PeriodGrid {
+    PeriodGrid::new((PERIOD * RATE).ceil() as usize, HARMONICS)
 }
 
 #[test]

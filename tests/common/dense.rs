@@ -6,9 +6,13 @@ use parry3d::shape::SharedShape;
 use undulate::nalgebra::Isometry3;
 use undulate::{CollisionModel, Robot, Shape, Wave};
 
+/// The shapes of a link, with their bodies and their poses on them.
+pub type Part = Vec<(usize, SharedShape, Pose)>;
+pub type Pair = [Part; 2];
+
 pub struct Dense {
-    /// Of each checked pair, the shapes of its two links, with their bodies.
-    pairs: Vec<[Vec<(usize, SharedShape, Pose)>; 2]>,
+    /// Those that are checked.
+    pub pairs: Vec<Pair>,
 }
 
 pub fn pose(isometry: &Isometry3<f64>) -> Pose {
@@ -89,29 +93,38 @@ impl Dense {
         least
     }
 
-    /// At one configuration, or anything above `bound`.
+    /// At one configuration; `bound` where it is not smaller.
     pub fn at(&self, robot: &Robot, q: &[f64], bound: f64) -> f64 {
-        let poses: Vec<Pose> = robot.body_poses(q).iter().map(pose).collect();
-        let mut least = bound;
-        for [a, b] in &self.pairs {
-            for (body_a, shape_a, local_a) in a {
-                let placed_a = poses[*body_a] * *local_a;
-                let sphere_a = shape_a.compute_local_bounding_sphere();
-                for (body_b, shape_b, local_b) in b {
-                    let placed_b = poses[*body_b] * *local_b;
-                    let sphere_b = shape_b.compute_local_bounding_sphere();
-                    let between = placed_a.transform_point(sphere_a.center)
-                        - placed_b.transform_point(sphere_b.center);
-                    if between.length() - sphere_a.radius - sphere_b.radius > least {
-                        continue;
-                    }
-                    let distance = query::distance(&placed_a, &**shape_a, &placed_b, &**shape_b)
-                        .unwrap()
-                        .distance;
-                    least = least.min(distance);
-                }
-            }
-        }
-        least
+        let poses = Self::poses(robot, q);
+        let least = |least: f64, pair: &Pair| distance(pair, &poses, least);
+        self.pairs.iter().fold(bound, least)
     }
+
+    /// Of the bodies.
+    pub fn poses(robot: &Robot, q: &[f64]) -> Vec<Pose> {
+        robot.body_poses(q).iter().map(pose).collect()
+    }
+}
+
+/// Of one pair, or `bound` where it is not nearer.
+pub fn distance([a, b]: &Pair, poses: &[Pose], bound: f64) -> f64 {
+    let mut least = bound;
+    for (body_a, shape_a, local_a) in a {
+        let placed_a = poses[*body_a] * *local_a;
+        let sphere_a = shape_a.compute_local_bounding_sphere();
+        for (body_b, shape_b, local_b) in b {
+            let placed_b = poses[*body_b] * *local_b;
+            let sphere_b = shape_b.compute_local_bounding_sphere();
+            let between = placed_a.transform_point(sphere_a.center)
+                - placed_b.transform_point(sphere_b.center);
+            if between.length() - sphere_a.radius - sphere_b.radius > least {
+                continue;
+            }
+            let distance = query::distance(&placed_a, &**shape_a, &placed_b, &**shape_b)
+                .unwrap()
+                .distance;
+            least = least.min(distance);
+        }
+    }
+    least
 }
