@@ -114,7 +114,11 @@ fn most(frames: &Frames, part: &Part, joint: usize) -> f64 {
         let arm = ball.center - turning.translation;
         return arm.cross(&turning.rotation.column(2)).norm() * OUTWARD;
     }
-    let above = |body: usize| way(frames, body).into_iter().map(|joint| &frames.joints()[joint]);
+    let above = |body: usize| {
+        way(frames, body)
+            .into_iter()
+            .map(|joint| &frames.joints()[joint])
+    };
     // What both have above them ends in the same place.
     let shared = way(frames, part.body)
         .iter()

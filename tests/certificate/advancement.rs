@@ -92,7 +92,7 @@ fn levers(robot: &Robot, [a, b]: &Pair) -> Vec<(usize, f64)> {
 /// The bodies that move a part, the base left out, its own the last.
 fn chain(robot: &Robot, part: &Part) -> Vec<usize> {
     let mut chain = Vec::new();
-    let mut body = part[0].0;
+    let mut body = part[0].body;
     while body != 0 {
         chain.push(body);
         body = robot.bodies()[body].parent;
@@ -104,10 +104,7 @@ fn chain(robot: &Robot, part: &Part) -> Vec<usize> {
 /// The farthest that a point of a part is from the origin of its body \[m\].
 fn reach(part: &Part) -> f64 {
     part.iter()
-        .map(|(_, shape, local)| {
-            let sphere = shape.compute_local_bounding_sphere();
-            local.transform_point(sphere.center).length() + sphere.radius
-        })
+        .map(|solid| solid.pose.transform_point(solid.sphere.center).length() + solid.sphere.radius)
         .fold(0.0, f64::max)
 }
 

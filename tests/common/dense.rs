@@ -1,13 +1,22 @@
 //! What is looked at on samples of a motion, by parry as it comes: slow, and silent on what happens between.
 
+use parry3d::bounding_volume::BoundingSphere;
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
 use undulate::nalgebra::Isometry3;
 use undulate::{CollisionModel, Robot, Shape, Wave};
 
-/// The shapes of a link, with their bodies and their poses on them.
-pub type Part = Vec<(usize, SharedShape, Pose)>;
+/// The shapes of a link, with their bodies, their poses on them and the spheres around them.
+pub type Part = Vec<Solid>;
+
+pub struct Solid {
+    pub body: usize,
+    pub shape: SharedShape,
+    pub pose: Pose,
+    pub sphere: BoundingSphere,
+}
+
 pub type Pair = [Part; 2];
 
 pub struct Dense {
@@ -65,7 +74,12 @@ impl Dense {
             solids
                 .map(|solid| {
                     let (shape, turn) = parry_shape(&solid.shape);
-                    (body, shape, pose(&(solid.pose * turn)))
+                    Solid {
+                        body,
+                        pose: pose(&(solid.pose * turn)),
+                        sphere: shape.compute_local_bounding_sphere(),
+                        shape,
+                    }
                 })
                 .collect()
         };
@@ -109,18 +123,16 @@ impl Dense {
 /// Of one pair, or `bound` where it is not nearer.
 pub fn distance([a, b]: &Pair, poses: &[Pose], bound: f64) -> f64 {
     let mut least = bound;
-    for (body_a, shape_a, local_a) in a {
-        let placed_a = poses[*body_a] * *local_a;
-        let sphere_a = shape_a.compute_local_bounding_sphere();
-        for (body_b, shape_b, local_b) in b {
-            let placed_b = poses[*body_b] * *local_b;
-            let sphere_b = shape_b.compute_local_bounding_sphere();
-            let between = placed_a.transform_point(sphere_a.center)
-                - placed_b.transform_point(sphere_b.center);
-            if between.length() - sphere_a.radius - sphere_b.radius > least {
+    for a in a {
+        let placed_a = poses[a.body] * a.pose;
+        for b in b {
+            let placed_b = poses[b.body] * b.pose;
+            let between = placed_a.transform_point(a.sphere.center)
+                - placed_b.transform_point(b.sphere.center);
+            if between.length() - a.sphere.radius - b.sphere.radius > least {
                 continue;
             }
-            let distance = query::distance(&placed_a, &**shape_a, &placed_b, &**shape_b)
+            let distance = query::distance(&placed_a, &*a.shape.0, &placed_b, &*b.shape.0)
                 .unwrap()
                 .distance;
             least = least.min(distance);
