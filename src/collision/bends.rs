@@ -37,7 +37,7 @@ impl Batch {
     /// What bounds a pair to second order on interval number `lane`, of half width `half` \[s\]; capsules must have been asked.
     #[inline(always)]
     pub fn bends(&self, model: &CollisionModel, pair: usize, lane: usize, half: f64) -> Bends {
-        let girth = model.parts[model.pairs[pair].parts.1].girth();
+        let girth = model.parts[model.pairs[pair].parts.1].girth;
         let (mut turning, mut moving) = (Vector3::zeros(), Vector3::zeros());
         let (mut rest, mut later) = (0.0, 0.0);
         // From B back to A, so that what moves later is summed already.
@@ -51,7 +51,7 @@ impl Batch {
             let turn = self.turn[step.joint][lane];
             match joint.kind {
                 JointKind::Revolute => {
-                    let rho = self.rho(step)[lane] + girth;
+                    let rho = self.second_rho(step)[lane] + girth;
                     turning += axis * velocity;
                     moving -= axis.cross(&placement.translation) * velocity;
                     rest += rho * (bend + turn * turn / 2.0) + turn * later;

@@ -27,14 +27,8 @@ use crate::robot::JointKind;
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
     pub steps: Vec<Step>,
-}
-
-impl Chain {
-    /// The rows that hold the rho of its joints.
-    pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
-        let rows = |step: &Step| [step.rows.0, Some(step.rows.1)];
-        self.steps.iter().flat_map(rows).flatten()
-    }
+    /// Those that hold the rho of its joints.
+    pub rows: Vec<usize>,
 }
 
 /// A joint of a chain.
@@ -87,7 +81,7 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                 })
             };
             let endless = matches!(parts[a].geometry, PartGeometry::HalfSpace(_));
-            let steps = against
+            let steps: Vec<Step> = against
                 .chain(along)
                 .map(|(joint, sign)| Step {
                     joint: *joint,
@@ -95,7 +89,9 @@ pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Ch
                     rows: ((!endless).then(|| row(a, *joint)), row(b, *joint)),
                 })
                 .collect();
-            Chain { steps }
+            let both = |step: &Step| [step.rows.0, Some(step.rows.1)];
+            let rows = steps.iter().flat_map(both).flatten().collect();
+            Chain { steps, rows }
         })
         .collect();
     (chains, rows)

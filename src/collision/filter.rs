@@ -1,6 +1,6 @@
 //! What balls and capsules around the parts prove, for several intervals of time at once.
 
-use fearless_simd::{Simd, SimdBase, SimdFloat, f64x8};
+use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x8};
 
 use super::CollisionModel;
 use super::displacement::{Chain, Row, Step};
@@ -32,6 +32,14 @@ pub(super) struct Batch {
     pub rounding: f64,
     /// Whether all that falls is told by the points of the shapes alone, as whoever verifies a certificate does.
     pub is_plain: bool,
+}
+
+/// Which rho a fall is reckoned with.
+#[derive(Debug, Clone, Copy)]
+enum Rho {
+    Most,
+    Ball,
+    Capsule,
 }
 
 /// What has been computed in a round, and is then read.
@@ -100,14 +108,14 @@ impl Batch {
     }
 
     /// Less than this \[m\] the distance of a pair cannot be anywhere in the interval, by the balls around its two parts: as good as it takes to
-    /// be `enough`, or as they are.
+    /// be above the bar on these lanes.
     #[inline(always)]
     pub fn by_balls<S: Simd>(
         &mut self,
         simd: S,
         model: &CollisionModel,
         pair: usize,
-        is_enough: impl Fn(f64x8<S>) -> bool,
+        (bar, lanes): (f64, u8),
     ) -> [f64; LANES] {
         let (a, b) = model.pairs[pair].parts;
         let PartGeometry::Convexes { ball: ball_b, .. } = &model.parts[b].geometry else {
@@ -126,21 +134,20 @@ impl Batch {
         let gap = gap - (model.pairs[pair].padding + self.rounding);
         let chain = &model.chains[pair];
         let girths = if self.is_plain {
-            [model.parts[a].core_radius(), model.parts[b].core_radius()]
+            [model.parts[a].core_radius, model.parts[b].core_radius]
         } else {
             [0.0; 2]
         };
-        let most = |row: usize| f64x8::splat(simd, model.rows[row].most + self.rounding);
-        let [fall] = self.fall(simd, model, chain, most, girths, [&self.turn]);
+        let [fall] = self.fall(simd, model, chain, Rho::Most, girths, [&self.turn]);
         let lower = gap - fall;
-        if is_enough(lower) {
+        let above = lower.simd_gt(f64x8::splat(simd, bar)).to_bitmask() as u8;
+        if above & lanes == lanes {
             return to_array(lower);
         }
-        for row in chain.rows() {
-            self.update_ball_rho(simd, model, row);
+        for row in &chain.rows {
+            self.update_ball_rho(simd, model, *row);
         }
-        let rho = |row: usize| f64x8::load_array_ref(simd, &self.ball_rho[row].value);
-        let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
+        let [fall] = self.fall(simd, model, chain, Rho::Ball, girths, [&self.turn]);
         to_array(gap - fall)
     }
 
@@ -169,16 +176,15 @@ impl Batch {
             }
         };
         let chain = &model.chains[pair];
-        for row in chain.rows() {
-            self.update_capsule_rho(simd, model, row);
+        for row in &chain.rows {
+            self.update_capsule_rho(simd, model, *row);
         }
         let girths = if self.is_plain {
-            [model.parts[a].girth(), model.parts[b].girth()]
+            [model.parts[a].girth, model.parts[b].girth]
         } else {
             [0.0; 2]
         };
-        let rho = |row: usize| f64x8::load_array_ref(simd, &self.capsule_rho[row].value);
-        let [fall] = self.fall(simd, model, chain, rho, girths, [&self.turn]);
+        let [fall] = self.fall(simd, model, chain, Rho::Capsule, girths, [&self.turn]);
         to_array(gap - (model.pairs[pair].padding + self.rounding) - fall)
     }
 
@@ -187,11 +193,10 @@ impl Batch {
     #[inline(always)]
     pub fn falls<S: Simd>(&self, simd: S, model: &CollisionModel, pair: usize) -> Falls {
         let (a, b) = model.pairs[pair].parts;
-        let girths = [model.parts[a].girth(), model.parts[b].girth()];
+        let girths = [model.parts[a].girth, model.parts[b].girth];
         let turns = [self.turn.as_slice(), &self.tolerance];
         let chain = &model.chains[pair];
-        let rho = |row: usize| f64x8::load_array_ref(simd, &self.capsule_rho[row].value);
-        let [fall, rest] = self.fall(simd, model, chain, rho, girths, turns);
+        let [fall, rest] = self.fall(simd, model, chain, Rho::Capsule, girths, turns);
         Falls {
             fall: to_array(fall),
             rest: to_array(rest),
@@ -206,7 +211,7 @@ impl Batch {
         simd: S,
         model: &CollisionModel,
         chain: &Chain,
-        rho: impl Fn(usize) -> f64x8<S>,
+        rho: Rho,
         girths: [f64; 2],
         turns: [&[[f64; LANES]]; N],
     ) -> [f64x8<S>; N] {
@@ -218,9 +223,12 @@ impl Batch {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let first = step.rows.0.map_or(f64x8::splat(simd, ENDLESS), &rho);
+            let first = match step.rows.0 {
+                Some(row) => self.rho(simd, model, rho, row),
+                None => f64x8::splat(simd, ENDLESS),
+            };
             let first = first + girths[0] * is_turning;
-            let second = rho(step.rows.1) + girths[1] * is_turning;
+            let second = self.rho(simd, model, rho, step.rows.1) + girths[1] * is_turning;
             for i in 0..N {
                 let turn = f64x8::load_array_ref(simd, &turns[i][step.joint]);
                 sum[i] += second * turn;
@@ -228,7 +236,19 @@ impl Batch {
                 least[i] = least[i].min(change[i]);
             }
         }
-        std::array::from_fn(|i| sum[i] * OUTWARD + least[i])
+        for i in 0..N {
+            sum[i] = sum[i] * OUTWARD + least[i];
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn rho<S: Simd>(&self, simd: S, model: &CollisionModel, rho: Rho, row: usize) -> f64x8<S> {
+        match rho {
+            Rho::Most => f64x8::splat(simd, model.rows[row].most + self.rounding),
+            Rho::Ball => f64x8::load_array_ref(simd, &self.ball_rho[row].value),
+            Rho::Capsule => f64x8::load_array_ref(simd, &self.capsule_rho[row].value),
+        }
     }
 
     /// The distance of the middle of the ball around a part from a joint's axis; 1 for prismatic joints. Balls are balls however they turn, so
@@ -274,13 +294,13 @@ impl Batch {
     }
 
     /// By the capsule around the second part of a pair, of a joint of its chain.
-    pub fn rho(&self, step: &Step) -> &[f64; LANES] {
+    pub fn second_rho(&self, step: &Step) -> &[f64; LANES] {
         &self.capsule_rho[step.rows.1].value
     }
 
     #[inline(always)]
     fn center<S: Simd>(&self, simd: S, part: usize) -> V3<S> {
-        V3::load(simd, &self.centers[part])
+        V3::load(simd, self.centers[part].each_ref())
     }
 
     /// The ends of the capsule around a part.
@@ -296,7 +316,10 @@ impl Batch {
             self.ends[part].round = self.round;
         }
         let [first, second] = &self.ends[part].value;
-        [V3::load(simd, first), V3::load(simd, second)]
+        [
+            V3::load(simd, first.each_ref()),
+            V3::load(simd, second.each_ref()),
+        ]
     }
 }
 

@@ -245,12 +245,12 @@ pub(super) fn lane_of(stored: &Stored, lane: usize) -> Placement {
 impl<S: Simd> Poses<S> {
     #[inline(always)]
     pub fn load(simd: S, stored: &Stored) -> Self {
-        let at = |i: usize| f64x8::load_array_ref(simd, &stored[i]);
+        let [xx, xy, xz, yx, yy, yz, zx, zy, zz, ox, oy, oz] = stored;
         Self {
-            x: V3([at(0), at(1), at(2)]),
-            y: V3([at(3), at(4), at(5)]),
-            z: V3([at(6), at(7), at(8)]),
-            origin: V3([at(9), at(10), at(11)]),
+            x: V3::load(simd, [xx, xy, xz]),
+            y: V3::load(simd, [yx, yy, yz]),
+            z: V3::load(simd, [zx, zy, zz]),
+            origin: V3::load(simd, [ox, oy, oz]),
         }
     }
 
@@ -267,8 +267,13 @@ impl<S: Simd> Poses<S> {
     /// A constant vector of the body's frame in the base's.
     #[inline(always)]
     fn turned(&self, v: &[f64; 3]) -> V3<S> {
-        let row = |i: usize| self.x.0[i] * v[0] + self.y.0[i] * v[1] + self.z.0[i] * v[2];
-        V3([row(0), row(1), row(2)])
+        V3([self.row(0, v), self.row(1, v), self.row(2, v)])
+    }
+
+    // A closure would not always be inlined, and vectors pass between functions by way of memory.
+    #[inline(always)]
+    fn row(&self, i: usize, v: &[f64; 3]) -> f64x8<S> {
+        self.x.0[i] * v[0] + self.y.0[i] * v[1] + self.z.0[i] * v[2]
     }
 
     /// A constant point of the body's frame in the base's.
@@ -280,7 +285,7 @@ impl<S: Simd> Poses<S> {
 
 impl<S: Simd> V3<S> {
     #[inline(always)]
-    pub fn load(simd: S, [x, y, z]: &[[f64; LANES]; 3]) -> Self {
+    pub fn load(simd: S, [x, y, z]: [&[f64; LANES]; 3]) -> Self {
         Self([
             f64x8::load_array_ref(simd, x),
             f64x8::load_array_ref(simd, y),

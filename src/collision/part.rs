@@ -13,6 +13,10 @@ pub(super) struct Part {
     /// Its body, 0 for the base and the scene.
     pub body: usize,
     pub geometry: PartGeometry,
+    /// How far the cores of the shapes reach from the axis of the capsule around them \[m\]. 0 for a single capsule or sphere.
+    pub girth: f64,
+    /// How far they reach from the middle of the ball around them \[m\]. 0 for a single sphere.
+    pub core_radius: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -47,9 +51,14 @@ impl Part {
             [one] => (*one.ball(), *one.capsule()),
             several => (ball_around(several), capsule_around(several)),
         };
+        // What encloses all shapes encloses their cores with the least of their margins to spare.
+        let margins = convexes.iter().map(Convex::margin);
+        let margin = margins.fold(f64::INFINITY, f64::min);
         Ok(Self {
             name,
             body,
+            girth: (capsule.radius - margin).max(0.0),
+            core_radius: (ball.radius - margin).max(0.0),
             geometry: PartGeometry::Convexes {
                 convexes,
                 ball,
@@ -77,34 +86,9 @@ impl Part {
                 name: object.name.clone(),
                 body: 0,
                 geometry: PartGeometry::HalfSpace(*half_space),
+                girth: 0.0,
+                core_radius: 0.0,
             }),
-        }
-    }
-
-    /// How far the cores of the shapes reach from the axis of the capsule around them \[m\]. 0 for a single capsule or sphere.
-    pub fn girth(&self) -> f64 {
-        match &self.geometry {
-            PartGeometry::Convexes { capsule, .. } => self.less_margin(capsule.radius),
-            PartGeometry::HalfSpace(_) => 0.0,
-        }
-    }
-
-    /// How far the cores of the shapes reach from the middle of the ball around them \[m\]. 0 for a single sphere.
-    pub fn core_radius(&self) -> f64 {
-        match &self.geometry {
-            PartGeometry::Convexes { ball, .. } => self.less_margin(ball.radius),
-            PartGeometry::HalfSpace(_) => 0.0,
-        }
-    }
-
-    /// What encloses all shapes encloses their cores with the least of their margins to spare.
-    fn less_margin(&self, radius: f64) -> f64 {
-        match &self.geometry {
-            PartGeometry::Convexes { convexes, .. } => {
-                let margins = convexes.iter().map(Convex::margin);
-                (radius - margins.fold(f64::INFINITY, f64::min)).max(0.0)
-            }
-            PartGeometry::HalfSpace(_) => radius,
         }
     }
 

@@ -8,7 +8,7 @@ use crate::geometry::{
     Warm, rough_separation, separation_until, separation_with, signed_distance_with,
 };
 use crate::motion::{LANES, Motion, Tube};
-use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f64x8};
+use fearless_simd::{Level, Simd, dispatch};
 
 /// What falls by less than this \[m\] over an interval is not split any more: the answer hangs on less.
 const NARROWEST: f64 = 1e-9;
@@ -235,10 +235,7 @@ impl<'m> Search<'m> {
                 if lanes == 0 {
                     continue;
                 }
-                let bar = f64x8::splat(simd, found.bar());
-                let is_enough =
-                    |lower: f64x8<S>| lower.simd_gt(bar).to_bitmask() as u8 & lanes == lanes;
-                let balls = self.batch.by_balls(simd, model, pair, is_enough);
+                let balls = self.batch.by_balls(simd, model, pair, (found.bar(), lanes));
                 let mut open = found.settle(&balls, lanes, pair, &middle, count);
                 if open == 0 {
                     continue;
