@@ -160,7 +160,7 @@ impl<'m> Checker<'m> {
         self.any_convex_pair(pair, |a, b, warm| match a {
             Other::Convex(convex, placed) => {
                 let a = convex.at(placed);
-                let is_apart = rough_separation(a, b, padding) > padding
+                let is_apart = rough_separation(a, b, warm, padding) > padding
                     || separation(a, b, warm, padding).lower > padding;
                 !is_apart
             }
@@ -181,7 +181,7 @@ impl<'m> Checker<'m> {
             let (distance, at) = match a {
                 Other::Convex(convex, placed) => {
                     let a = convex.at(placed);
-                    if rough_separation(a, b, least) > least
+                    if rough_separation(a, b, warm, least) > least
                         || separation(a, b, warm, least).lower > least
                     {
                         return false;

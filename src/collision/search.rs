@@ -353,15 +353,15 @@ impl<'m> Search<'m> {
                     .flat_map(|other| convexes.iter().map(move |c| (other, c)));
                 for (i, (other, convex)) in combinations.enumerate() {
                     let (placed_a, placed_b) = (other.at(&placed_a), convex.at(&placed_b));
+                    let warm = &mut self.warm[first + i];
                     if others.len() * convexes.len() > 1 {
-                        let gap = rough_separation(placed_a, placed_b, needed);
+                        let gap = rough_separation(placed_a, placed_b, warm, needed);
                         if gap > needed {
                             lower = lower.min(gap - fall);
                             continue;
                         }
                     }
                     found.work.distances += 1;
-                    let warm = &mut self.warm[first + i];
                     // What cannot be the least is not measured more closely than it takes to tell how far it falls.
                     let (beyond, near) = found.of_no_use(pair.padding);
                     let between =

@@ -104,7 +104,9 @@ fn nothing_of_no_size_or_far_away_gives_other_than_numbers() {
                         "{between:?} {found:?}"
                     );
                 }
-                assert!(rough_separation(p, q, 0.0) <= found.distance + rounding);
+                assert!(
+                    rough_separation(p, q, &mut Warm::default(), 0.0) <= found.distance + rounding
+                );
                 if found.distance > rounding {
                     assert!(!intersects(p, q, &mut warm), "{a:?} {b:?} {away}");
                 }
@@ -164,7 +166,7 @@ fn placements_that_are_no_numbers_are_never_clear() {
                         let found = signed_distance(p, q, &mut warm);
                         assert_eq!(found.distance, f64::NEG_INFINITY);
                     }
-                    assert!(rough_separation(p, q, 0.0) <= 0.0);
+                    assert!(rough_separation(p, q, &mut Warm::default(), 0.0) <= 0.0);
                 }
                 assert!(table.separation(a.at(at)).lower <= 0.0);
                 assert!(table.signed_distance(a.at(at)).distance <= 0.0);

@@ -127,7 +127,7 @@ fn bracket(case: &Case) -> Result<f64, TestCaseError> {
             }
         }
     }
-    prop_assert!(rough_separation(a, b, f64::INFINITY) <= distance + EXACT);
+    prop_assert!(rough_separation(a, b, &mut Warm::default(), f64::INFINITY) <= distance + EXACT);
     near(
         "other way round",
         signed_distance(b, a, &mut Warm::default()).distance,
