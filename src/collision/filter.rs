@@ -9,7 +9,7 @@ use super::part::PartGeometry;
 use crate::motion::{LANES, TubeRows};
 use crate::robot::JointKind;
 
-/// Batch intervals of time: where everything is in their middles, and how far from there it can be.
+/// Intervals of time: where everything is in their middles, and how far from there it can be.
 pub(super) struct Batch {
     /// Of the motion.
     pub rows: TubeRows,

@@ -151,7 +151,7 @@ impl Wave {
         let tolerance = 1e-6 * bounded.sums[0]
             + 4.0 * self.slack() * (bounded.sums[0] + bounded.offset().abs())
             + f64::MIN_POSITIVE;
-        // Batch pieces a cycle of the highest harmonic: Taylor's remainders are of use from the start.
+        // Four pieces a cycle of the highest harmonic: Taylor's remainders are of use from the start.
         let pieces = 4 * self.harmonics().max(1);
         let half = self.period() / (2 * pieces) as f64;
         let mut open: Vec<(f64, f64)> = (0..pieces)

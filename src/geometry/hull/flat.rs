@@ -6,7 +6,7 @@ use super::orientation::{left, shadow};
 
 /// Where points span a body, four of them do; else which of them are corners.
 pub(super) enum Span {
-    /// Batch points that are not in one plane.
+    /// Four points that are not in one plane.
     Body([u32; 4]),
     /// The corners of a convex polygon, in order round it; two for a segment, one for a point.
     Flat(Vec<u32>),
