@@ -145,8 +145,8 @@ pub use demonstration::{
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{
-    CheckOptions, JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
-    without_velocity_limit,
+    Change, CheckOptions, EffortUse, JointLimit, JointLimits, LimitSource, LimitUse, Means, Mended,
+    Verdict, efforts, limits, limits_with, mend, without_velocity_limit,
 };
 pub use fourier::{
     Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,

@@ -10,6 +10,7 @@ mod describe;
 mod learn;
 mod learn_cycle;
 mod map;
+mod mend;
 mod moves;
 mod output;
 mod pairs;
@@ -65,6 +66,7 @@ enum Verb {
     Sample(sample::Arguments),
     Trajectory(trajectory::Arguments),
     Check(check::Arguments),
+    Mend(mend::Arguments),
     Verify(verify::Arguments),
     Screen(screen::Arguments),
     Simulate(simulate::Arguments),
@@ -91,6 +93,7 @@ pub fn main() -> ExitCode {
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
+        Verb::Mend(arguments) => mend::run(arguments, cli.json),
         Verb::Verify(arguments) => verify::run(arguments, cli.json),
         Verb::Screen(arguments) => screen::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
