@@ -160,8 +160,8 @@ pub use geometry::{
 };
 #[cfg(feature = "robot")]
 pub use motion::{
-    Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
-    TubeRows, WaveTube, Waypoint, Waypoints,
+    Degree, Jump, Leg, Motion, MoveOptions, PlayMotion, Sequence, SequenceTube, Spline, SplineTube,
+    StartPosture, Tube, TubeRows, WaveTube, Waypoint, Waypoints,
 };
 pub use posterior::Diagnostics;
 pub use primitive::{
@@ -209,6 +209,7 @@ const _: () = {
         shared::<JointMap>();
         shared::<Verdict>();
         shared::<Spline>();
+        shared::<Sequence>();
         shared::<PlayMotion>();
         shared::<JointLimits>();
     }
