@@ -146,7 +146,8 @@ pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{
     Change, CheckOptions, EffortUse, JointLimit, JointLimits, LimitSource, LimitUse, Means, Mended,
-    Verdict, efforts, limits, limits_with, mend, without_velocity_limit,
+    Passages, Performance, Plan, Planner, Player, Verdict, efforts, limits, limits_with, mend,
+    without_velocity_limit,
 };
 pub use fourier::{
     Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
@@ -208,6 +209,8 @@ const _: () = {
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();
+        shared::<Plan>();
+        shared::<Player>();
         shared::<Spline>();
         shared::<Sequence>();
         shared::<PlayMotion>();

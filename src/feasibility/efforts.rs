@@ -7,9 +7,12 @@ use crate::motion::{Motion, Tube};
 use crate::robot::{BodyJoint, Dynamics, GRAVITY, JointKind, Robot};
 
 /// Samples on each piece of a motion: a piece is about half a cycle of its highest harmonic, and torques have twice its frequency.
-const SAMPLES: usize = 8;
+const SAMPLES: usize = 12;
 /// Parabolas that are laid through a peak, one after the other.
-const PARABOLAS: usize = 6;
+const PARABOLAS: usize = 4;
+/// A peak whose sample is below the highest by no more than this share of the range may be the highest: with six samples a cycle, one may lie
+/// below its peak by 1 - cos(pi / 6) of the amplitude.
+const RIVAL: f64 = 0.07;
 
 /// The torque or force that a motion takes of a joint, beside the limit: inverse dynamics with damping and friction, under gravity.
 ///
@@ -82,11 +85,9 @@ pub fn efforts<M: Motion>(robot: &Robot, motion: &M) -> Result<Vec<EffortUse>> {
         rows.extend_from_slice(plant.efforts(motion, *time));
     }
     let uses = (0..joints).map(|j| {
-        let at = |n: usize| rows[n * joints + j];
-        let least = (0..times.len()).min_by(|a, b| at(*a).total_cmp(&at(*b)));
-        let most = (0..times.len()).max_by(|a, b| at(*a).total_cmp(&at(*b)));
-        let (lower_time, lower) = plant.peak(motion, j, least.map(|n| times[n]), -1.0);
-        let (upper_time, upper) = plant.peak(motion, j, most.map(|n| times[n]), 1.0);
+        let column: Vec<f64> = rows.iter().skip(j).step_by(joints).copied().collect();
+        let (lower_time, lower) = plant.highest(motion, j, &times, &column, -1.0);
+        let (upper_time, upper) = plant.highest(motion, j, &times, &column, 1.0);
         let joint = plant.joints[j].1;
         EffortUse {
             joint: joint.name.clone(),
@@ -144,17 +145,44 @@ impl<'a> Plant<'a> {
         &self.efforts
     }
 
-    /// Time and value of the peak next to a sample, upwards or (`sign` -1) downwards, within half a step of it.
+    /// Time and value of the highest peak, upwards or (`sign` -1) downwards, given the samples.
+    fn highest<M: Motion>(
+        &mut self,
+        motion: &M,
+        joint: usize,
+        times: &[(f64, f64)],
+        samples: &[f64],
+        sign: f64,
+    ) -> (f64, f64) {
+        let count = samples.len();
+        let at = |n: usize| sign * samples[n % count];
+        let range = |f: fn(f64, f64) -> f64, start| samples.iter().fold(start, |a, b| f(a, *b));
+        let width = range(f64::max, f64::NEG_INFINITY) - range(f64::min, f64::INFINITY);
+        let Some(top) = (0..count).max_by(|a, b| at(*a).total_cmp(&at(*b))) else {
+            return (0.0, 0.0);
+        };
+        let mut highest = (times[top].0, samples[top]);
+        for n in 0..count {
+            // What stays as it is has no peak.
+            let is_peak = at(n) > at(n + count - 1) && at(n) >= at(n + 1);
+            if n == top || is_peak && at(n) >= at(top) - RIVAL * width {
+                let found = self.peak(motion, joint, times[n], sign);
+                if sign * found.1 > sign * highest.1 {
+                    highest = found;
+                }
+            }
+        }
+        highest
+    }
+
+    /// Time and value of the peak next to a sample, upwards or (`sign` -1) downwards, about a step from it.
     fn peak<M: Motion>(
         &mut self,
         motion: &M,
         joint: usize,
-        sample: Option<(f64, f64)>,
+        (mut best, mut step): (f64, f64),
         sign: f64,
     ) -> (f64, f64) {
-        let Some((mut best, mut step)) = sample else {
-            return (0.0, 0.0);
-        };
         let end = motion.duration();
         let within = |t: f64| {
             if motion.is_periodic() {

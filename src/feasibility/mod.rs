@@ -4,11 +4,15 @@ mod efforts;
 mod given;
 mod limits;
 mod mend;
+mod passage;
+mod player;
 
 pub use efforts::{EffortUse, efforts};
 pub use given::{JointLimit, JointLimits};
 pub use limits::{LimitSource, LimitUse, limits, limits_with, without_velocity_limit};
 pub use mend::{Change, Means, Mended, mend};
+pub use passage::{Passages, Performance};
+pub use player::{Plan, Planner, Player};
 
 use crate::collision::{Certification, CollisionModel, MinimumClearance, Prover};
 use crate::error::{Reason, Result};
@@ -135,4 +139,17 @@ fn known_efforts<M: Motion>(robot: &Robot, motion: &M) -> Result<Option<Vec<Effo
         Ok(()) => efforts(robot, motion).map(Some),
         Err(_) => Ok(None),
     }
+}
+
+/// Whether a motion keeps the limits of positions, velocities, accelerations and efforts.
+fn keeps_limits<M: Motion>(robot: &Robot, motion: &M, options: &CheckOptions) -> Result<bool> {
+    let limits = limits_with(robot, motion, &options.limits)?;
+    if limits.iter().any(|limit| limit.excess() > 0.0) {
+        return Ok(false);
+    }
+    let efforts = known_efforts(robot, motion)?;
+    Ok(efforts
+        .iter()
+        .flatten()
+        .all(|effort| effort.excess() == 0.0))
 }
