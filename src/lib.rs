@@ -145,9 +145,9 @@ pub use demonstration::{
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{
-    Change, CheckOptions, EffortUse, JointLimit, JointLimits, LimitSource, LimitUse, Means, Mended,
-    Passages, Performance, Plan, Planner, Player, Verdict, efforts, limits, limits_with, mend,
-    without_velocity_limit,
+    Assessment, Bounded, Change, CheckOptions, EffortUse, JointLimit, JointLimits, LimitSource,
+    LimitUse, Means, Mended, Passages, Performance, Plan, Planner, Player, Verdict, Worst, efforts,
+    limits, limits_with, mend, without_velocity_limit,
 };
 pub use fourier::{
     Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,

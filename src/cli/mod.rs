@@ -1,5 +1,6 @@
 //! The command line: arguments, files, progress, words. Only this module prints.
 
+mod assess;
 mod assumptions;
 mod check;
 mod compare_estimators;
@@ -69,6 +70,8 @@ enum Verb {
     Mend(mend::Arguments),
     Verify(verify::Arguments),
     Screen(screen::Arguments),
+    Assess(assess::Arguments),
+    Merge(assess::MergeArguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
     Robot(describe::Arguments),
@@ -96,6 +99,8 @@ pub fn main() -> ExitCode {
         Verb::Mend(arguments) => mend::run(arguments, cli.json),
         Verb::Verify(arguments) => verify::run(arguments, cli.json),
         Verb::Screen(arguments) => screen::run(arguments, cli.json),
+        Verb::Assess(arguments) => assess::run(arguments, cli.json),
+        Verb::Merge(arguments) => assess::merge(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),

@@ -1,5 +1,6 @@
 //! What stands between a motion and its execution: limits of the joints, and collision with itself and its surroundings.
 
+mod assessment;
 mod efforts;
 mod given;
 mod limits;
@@ -7,6 +8,7 @@ mod mend;
 mod passage;
 mod player;
 
+pub use assessment::{Assessment, Bounded, Worst};
 pub use efforts::{EffortUse, efforts};
 pub use given::{JointLimit, JointLimits};
 pub use limits::{LimitSource, LimitUse, limits, limits_with, without_velocity_limit};
