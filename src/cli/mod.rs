@@ -7,6 +7,7 @@ mod compare_periods;
 mod condition;
 mod demands;
 mod describe;
+mod export;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -69,6 +70,7 @@ enum Verb {
     Screen(screen::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Export(export::Arguments),
     Robot(describe::Arguments),
 }
 
@@ -95,6 +97,7 @@ pub fn main() -> ExitCode {
         Verb::Screen(arguments) => screen::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Export(arguments) => export::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
     match result {

@@ -5,6 +5,7 @@ mod read;
 mod spline;
 mod wave;
 mod waypoints;
+mod write;
 
 pub use read::{MoveOptions, PlayMotion};
 pub use spline::{Degree, Jump, Spline, SplineTube, StartPosture};
