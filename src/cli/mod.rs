@@ -8,6 +8,7 @@ mod compare_periods;
 mod condition;
 mod demands;
 mod describe;
+mod export;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -74,6 +75,7 @@ enum Verb {
     Merge(assess::MergeArguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Export(export::Arguments),
     Robot(describe::Arguments),
 }
 
@@ -103,6 +105,7 @@ pub fn main() -> ExitCode {
         Verb::Merge(arguments) => assess::merge(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Export(arguments) => export::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
     match result {

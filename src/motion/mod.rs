@@ -6,6 +6,7 @@ mod sequence;
 mod spline;
 mod wave;
 mod waypoints;
+mod write;
 
 pub use read::{MoveOptions, PlayMotion};
 pub use sequence::{Leg, Sequence, SequenceTube};

@@ -1,6 +1,7 @@
 //! [`Spline`]: a recorded move as the controller runs it.
 
 mod ends;
+mod resampled;
 mod tube;
 
 #[cfg(test)]
