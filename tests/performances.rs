@@ -101,7 +101,7 @@ fn waves_begin_and_end_at_rest() {
         for wave in &arm.waves {
             let options = CheckOptions::default();
             let mut passages = Passages::new(&arm.robot, arm.collision.prover(), options);
-            let performance = passages.perform(wave, &rest, 3.0).unwrap();
+            let performance = passages.perform(&[wave], &rest, 3.0).unwrap();
             assert!(performance.verdict.passes());
             let sequence = performance.sequence;
             println!("{name}: legs end at {:?} s", &sequence.times()[1..]);
@@ -127,6 +127,24 @@ fn waves_begin_and_end_at_rest() {
 }
 
 #[test]
+fn one_wave_goes_over_into_the_next() {
+    let arm = arm("column_arm", 3);
+    let options = CheckOptions::default();
+    let mut passages = Passages::new(&arm.robot, arm.collision.prover(), options);
+    let waves: Vec<&Wave> = arm.waves.iter().collect();
+    let performance = passages.perform(&waves, &arm.robot.rest(), 2.0).unwrap();
+    let sequence = performance.sequence;
+    assert_eq!(sequence.legs().len(), 7);
+    let mut watch = Watch::new(&arm);
+    let mut state = State::zeros(7);
+    for n in 0..=(sequence.duration() / STEP) as usize {
+        sequence.state_into(n as f64 * STEP, &mut state);
+        watch.see(&state);
+    }
+    assert!(passages.perform(&[], &arm.robot.rest(), 2.0).is_err());
+}
+
+#[test]
 fn what_cannot_begin_is_refused_with_its_reason() {
     let arm = arm("wave_arm", 1);
     let wave = &arm.waves[0];
@@ -134,13 +152,19 @@ fn what_cannot_begin_is_refused_with_its_reason() {
     let mut passages = Passages::new(&arm.robot, arm.collision.prover(), options.clone());
     let mut beyond = arm.robot.rest();
     beyond[3] = 9.0;
-    let error = passages.perform(wave, &beyond, 1.0).unwrap_err();
+    let error = passages.perform(&[wave], &beyond, 1.0).unwrap_err();
     assert_eq!(Reason::of(&error), Reason::PositionLimit, "{error}");
     let fast = wave.slowed(0.05).unwrap();
-    let error = passages.perform(&fast, &arm.robot.rest(), 1.0).unwrap_err();
+    let error = passages
+        .perform(&[&fast], &arm.robot.rest(), 1.0)
+        .unwrap_err();
     assert_eq!(Reason::of(&error), Reason::VelocityLimit, "{error}");
-    assert!(passages.perform(wave, &[0.0], 1.0).is_err());
-    assert!(passages.perform(wave, &arm.robot.rest(), f64::NAN).is_err());
+    assert!(passages.perform(&[wave], &[0.0], 1.0).is_err());
+    assert!(
+        passages
+            .perform(&[wave], &arm.robot.rest(), f64::NAN)
+            .is_err()
+    );
     assert!(Planner::new(&arm.robot, &arm.collision, options, 0.0).is_err());
 }
 
@@ -163,7 +187,9 @@ fn a_posture_that_touches_is_refused() {
     .unwrap();
     let options = CheckOptions::default();
     let mut passages = Passages::new(&arm.robot, arm.collision.prover(), options);
-    let error = passages.perform(&arm.waves[0], &touching, 1.0).unwrap_err();
+    let error = passages
+        .perform(&[&arm.waves[0]], &touching, 1.0)
+        .unwrap_err();
     assert_eq!(Reason::of(&error), Reason::SelfCollision, "{error}");
 }
 
@@ -247,7 +273,7 @@ fn acceleration_limits_hold_over_joins() {
     let offsets = DVector::from_element(6, 0.4);
     let wave = Wave::new(arm.robot.joints().clone(), 1.0, offsets, weights).unwrap();
     let mut passages = Passages::new(&arm.robot, arm.collision.prover(), options);
-    let performance = passages.perform(&wave, &arm.robot.rest(), 2.0).unwrap();
+    let performance = passages.perform(&[&wave], &arm.robot.rest(), 2.0).unwrap();
     let mut state = State::zeros(6);
     for n in 0..=(performance.sequence.duration() / STEP) as usize {
         performance.sequence.state_into(n as f64 * STEP, &mut state);

@@ -51,7 +51,7 @@ pub(super) struct Arguments {
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Format {
+pub(super) enum Format {
     Csv,
     Json,
     Yaml,
@@ -59,7 +59,7 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self> {
+    pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
         match extension.to_ascii_lowercase().as_str() {
             "csv" => Ok(Self::Csv),
@@ -71,6 +71,20 @@ impl Format {
                     .expected("--format, or a name that ends in .csv, .json, .yaml, .yml or .mcap"),
             ),
         }
+    }
+
+    /// A file of waypoints; of play_motion2 by a name, else that of the file.
+    pub fn bytes(self, waypoints: &Waypoints, name: Option<&str>, path: &Path) -> Result<Vec<u8>> {
+        Ok(match self {
+            Self::Csv => waypoints.to_csv()?,
+            Self::Json => waypoints.to_json()?,
+            Self::Yaml => {
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                let name = name.map_or_else(|| parameter_name(&stem), str::to_owned);
+                waypoints.to_play_motion(&name)?
+            }
+            Self::Mcap => waypoints.to_mcap(),
+        })
     }
 }
 
@@ -113,17 +127,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             "a motion file of play_motion2 holds no velocities: the controller joins its positions by lines",
         );
     }
-    let stem = arguments.output.file_stem().unwrap_or_default();
-    let name = match &arguments.name {
-        Some(name) => name.clone(),
-        None => parameter_name(&stem.to_string_lossy()),
-    };
-    let bytes = match format {
-        Format::Csv => waypoints.to_csv()?,
-        Format::Json => waypoints.to_json()?,
-        Format::Yaml => waypoints.to_play_motion(&name)?,
-        Format::Mcap => waypoints.to_mcap(),
-    };
+    let bytes = format.bytes(&waypoints, arguments.name.as_deref(), &arguments.output)?;
     output::write(&arguments.output, &bytes)?;
 
     let last = waypoints.get(waypoints.len() - 1).time;

@@ -17,6 +17,7 @@ mod moves;
 mod output;
 mod pairs;
 mod parallel;
+mod perform;
 mod recordings;
 mod reproduce;
 mod robot;
@@ -69,6 +70,7 @@ enum Verb {
     Trajectory(trajectory::Arguments),
     Check(check::Arguments),
     Mend(mend::Arguments),
+    Perform(perform::Arguments),
     Verify(verify::Arguments),
     Screen(screen::Arguments),
     Assess(assess::Arguments),
@@ -98,6 +100,7 @@ pub fn main() -> ExitCode {
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
+        Verb::Perform(arguments) => perform::run(arguments, cli.json),
         Verb::Mend(arguments) => mend::run(arguments, cli.json),
         Verb::Verify(arguments) => verify::run(arguments, cli.json),
         Verb::Screen(arguments) => screen::run(arguments, cli.json),

@@ -16,7 +16,7 @@ const SHORTEST: f64 = 0.05;
 const LONGEST: f64 = 20.0;
 const LONGER: f64 = 1.1;
 
-/// An arm is not raised or lowered in less \[s\], unless that is asked for.
+/// An arm is not raised or lowered in less \[s\], nor taken from one wave into another in less than half of it, unless that is asked for.
 const EASE: f64 = 1.0;
 
 /// Phases of a period at which a wave may be entered or left.
@@ -60,7 +60,8 @@ impl<'a, 'm> Passages<'a, 'm> {
         }
     }
 
-    /// The same, but ways out of rest and back take `seconds` at least: 1 when nothing is said, 0 for as quick as limits allow.
+    /// The same, but ways out of rest and back take `seconds` at least, and those from wave to wave half of it: 1 s when nothing is said, 0 for as
+    /// quick as limits allow.
     ///
     /// # Errors
     /// When that is negative or more than 20 s.
@@ -77,8 +78,9 @@ impl<'a, 'm> Passages<'a, 'm> {
         })
     }
 
-    /// From the posture `rest` \[rad, m\] into the wave, the wave for `duration` \[s\] or up to a period longer, and back to rest, twice continuously
-    /// differentiable and proven as a whole. Where the wave is entered and left is chosen so that the ways are short.
+    /// From the posture `rest` \[rad, m\] into the first wave, from each wave into the next, and back to rest from the last, twice continuously
+    /// differentiable and proven as a whole. Each wave goes on for `duration` \[s\] or up to a period longer: where it is entered and left is chosen so
+    /// that the ways are short.
     ///
     /// ```
     /// use undulate::{nalgebra::{DMatrix, DVector}, num_complex::Complex};
@@ -90,33 +92,39 @@ impl<'a, 'm> Passages<'a, 'm> {
     /// weights[(3, 0)] = Complex::new(0.1, 0.0);
     /// let wave = Wave::new(robot.joints().clone(), 1.0, DVector::from_element(6, 0.4), weights)?;
     /// let mut passages = Passages::new(&robot, collision.prover(), CheckOptions::default());
-    /// let performance = passages.perform(&wave, &robot.rest(), 3.0)?;
+    /// let performance = passages.perform(&[&wave], &robot.rest(), 3.0)?;
     /// assert!(performance.verdict.passes() && performance.sequence.duration() > 3.0);
     /// # Ok::<(), undulate::Error>(())
     /// ```
     ///
     /// # Errors
-    /// When the wave itself does not pass, the posture is beyond a limit or touches, the duration is not positive, or no way is found.
-    pub fn perform(&mut self, wave: &Wave, rest: &[f64], duration: f64) -> Result<Performance> {
+    /// When there is no wave or one does not pass by itself, the posture is beyond a limit or touches, the duration is not positive, or no way is found.
+    pub fn perform(&mut self, waves: &[&Wave], rest: &[f64], duration: f64) -> Result<Performance> {
         if !(duration > 0.0 && duration.is_finite()) {
             return Err(
                 Error::new(ErrorKind::Setting, format!("a duration of {duration} s"))
                     .expected("a positive number of seconds"),
             );
         }
-        self.require(wave, "the wave")?;
+        let Some(mut wave) = waves.first().copied() else {
+            return Err(Error::new(ErrorKind::Shape, "no wave").expected("one at least"));
+        };
+        for wave in waves {
+            self.require(*wave, "the wave")?;
+        }
         let still = self.posture(rest)?;
-        let (raise, from) = self.enter(&still, wave)?;
+        let (raise, mut from) = self.enter(&still, wave)?;
+        let mut legs = vec![Leg::Move(raise)];
+        for next in &waves[1..] {
+            let (way, (until, phase)) = self.cross(wave, from + duration, next)?;
+            legs.push(waved(wave, from, until));
+            legs.push(Leg::Move(way));
+            (wave, from) = (next, phase);
+        }
         let (lower, until) = self.leave(wave, from + duration, &still)?;
-        let sequence = Sequence::new(vec![
-            Leg::Move(raise),
-            Leg::Wave {
-                wave: wave.clone(),
-                from,
-                duration: until - from,
-            },
-            Leg::Move(lower),
-        ])?;
+        legs.push(waved(wave, from, until));
+        legs.push(Leg::Move(lower));
+        let sequence = Sequence::new(legs)?;
         let verdict = self.require(&sequence, "the whole motion")?;
         Ok(Performance { sequence, verdict })
     }
@@ -161,6 +169,11 @@ impl<'a, 'm> Passages<'a, 'm> {
         .at(format!("robot `{}`", self.robot.name())))
     }
 
+    /// What a way from wave to wave takes at least \[s\].
+    pub(super) fn least_between(&self) -> f64 {
+        self.ease / 2.0
+    }
+
     /// From a state at rest into a wave: the way, and where in its period it is entered \[s\].
     pub(super) fn enter(&mut self, still: &State, wave: &Wave) -> Result<(Spline, f64)> {
         let phases = (0..PHASES).map(|n| wave.period() * n as f64 / PHASES as f64);
@@ -173,6 +186,21 @@ impl<'a, 'm> Passages<'a, 'm> {
         let waits = (0..PHASES).map(|n| wave.period() * n as f64 / PHASES as f64);
         let ways = waits.map(|wait| (wait, wave.state(from + wait), still.clone(), from + wait));
         self.best(ways.collect(), self.ease, "out of the wave")
+    }
+
+    /// Out of a wave at time `from` \[s\] or later, within a period, into another: the way, when the one is left and where the other is entered \[s\].
+    fn cross(&mut self, wave: &Wave, from: f64, next: &Wave) -> Result<(Spline, (f64, f64))> {
+        let at = |wave: &Wave, n: usize| wave.period() * n as f64 / PHASES as f64;
+        let mut ways = Vec::with_capacity(PHASES * PHASES);
+        for n in 0..PHASES {
+            let wait = at(wave, n);
+            let leave = wave.state(from + wait);
+            for m in 0..PHASES {
+                let phase = at(next, m);
+                ways.push((wait, leave.clone(), next.state(phase), (from + wait, phase)));
+            }
+        }
+        self.best(ways, self.least_between(), "from one wave into the next")
     }
 
     /// The way that is done first, of several with what they cost before they begin \[s\] and what is known of each; none takes less than `least` \[s\].
@@ -302,6 +330,14 @@ impl<'a, 'm> Passages<'a, 'm> {
             duration *= LONGER;
         }
         Ok(None)
+    }
+}
+
+fn waved(wave: &Wave, from: f64, until: f64) -> Leg {
+    Leg::Wave {
+        wave: wave.clone(),
+        from,
+        duration: until - from,
     }
 }
 

@@ -198,7 +198,8 @@ impl<'a, 'm> Planner<'a, 'm> {
                 ways.push((at - earliest, leave.clone(), wave.state(phase), (at, phase)));
             }
         }
-        let (way, (at, phase)) = self.passages.best(ways, 0.0, "into the other wave")?;
+        let least = self.passages.least_between();
+        let (way, (at, phase)) = self.passages.best(ways, least, "into the other wave")?;
         // As a whole: limits where the parts meet, and the way itself.
         let whole = Sequence::new(vec![
             Leg::Move(way.clone()),
