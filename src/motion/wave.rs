@@ -287,8 +287,8 @@ mod tests {
     fn vectors_of_any_width_give_the_same_bits() {
         let wave = wave(7);
         let mut tube = wave.tube();
-        let middle = [0.1, 0.9, -2.0, 7.0];
-        let half = [0.01, 0.1, 0.0, 2.0];
+        let middle = [0.1, 0.9, -2.0, 7.0, 0.0, 2.9, 1.3, -0.4];
+        let half = [0.01, 0.1, 0.0, 2.0, 0.3, 0.02, 1e-6, 1.0];
         let mut at = |level: Level| {
             let mut numbers = TubeRows::new(3);
             dispatch!(level, simd => tube.evaluate(simd, &middle, &half, &mut numbers));
