@@ -8,6 +8,7 @@ mod condition;
 mod demands;
 mod describe;
 mod export;
+mod fit;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -70,6 +71,7 @@ enum Verb {
     Screen(screen::Arguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Fit(fit::Arguments),
     Export(export::Arguments),
     Robot(describe::Arguments),
 }
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
         Verb::Screen(arguments) => screen::run(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Fit(arguments) => fit::run(arguments, cli.json),
         Verb::Export(arguments) => export::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
