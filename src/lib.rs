@@ -174,7 +174,9 @@ pub use primitive::{
 };
 pub use proportion::clopper_pearson;
 #[cfg(feature = "robot")]
-pub use retarget::{JointMap, Source};
+pub use retarget::{
+    DirectionFit, JointMap, Person, Residual, RobotArm, Segment, ShoulderOrder, Source,
+};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,

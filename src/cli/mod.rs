@@ -9,6 +9,7 @@ mod condition;
 mod demands;
 mod describe;
 mod export;
+mod fit;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -77,6 +78,7 @@ enum Verb {
     Merge(assess::MergeArguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Fit(fit::Arguments),
     Export(export::Arguments),
     Robot(describe::Arguments),
 }
@@ -108,6 +110,7 @@ pub fn main() -> ExitCode {
         Verb::Merge(arguments) => assess::merge(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Fit(arguments) => fit::run(arguments, cli.json),
         Verb::Export(arguments) => export::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
