@@ -328,6 +328,10 @@ fn the_verb_writes_each_format_and_check_reads_it() {
             _ => assert!(departs.unwrap() < 1e-6),
         }
     }
+    let line = "export wave.json --robot wave_arm --map same.toml --rate 50 -o again.csv";
+    let output = program::run(at, &line.split(' ').collect::<Vec<_>>());
+    let warned = program::text(&output.stderr);
+    assert!(warned.contains("starts and ends in motion"), "{warned}");
     let clearance = |file: &str, options: &[&str]| {
         let fixed = ["check", file, "--robot", "wave_arm"];
         let report = json(at, &[&fixed, options].concat());

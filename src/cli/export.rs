@@ -119,8 +119,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         // As it is run, but for velocities and accelerations where the format has none.
         Course::Move(spline) => (spline.resampled(arguments.rate)?, None),
     };
-    for note in Spline::new(&waypoints, StartPosture::Given)?.notes() {
-        output::warn(note);
+    match &course {
+        Course::Wave(wave) => tell_start(wave),
+        Course::Move(_) => {
+            let notes = Spline::new(&waypoints, StartPosture::Given)?.notes();
+            notes.iter().for_each(output::warn);
+        }
     }
     if format == Format::Yaml && waypoints.iter().any(|w| w.velocities.is_some()) {
         output::warn(
@@ -154,6 +158,19 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         text
     });
     Ok(Outcome::Done)
+}
+
+/// A controller is at rest before and after, and a wave is not, nearly anywhere.
+fn tell_start(wave: &Wave) {
+    let velocity = wave.state(0.0).velocity;
+    let joint = velocity.iamax();
+    if velocity[joint] != 0.0 {
+        output::warn(format!(
+            "the wave starts and ends in motion, joint `{}` at {:.2} a second, and a controller at rest: lead the robot in and out of it",
+            wave.joints().name(joint),
+            velocity[joint]
+        ));
+    }
 }
 
 /// By how much the controller's spline through these waypoints may leave the wave \[rad, m\]: the remainder of Hermite's interpolation by
