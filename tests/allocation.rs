@@ -86,3 +86,26 @@ fn nothing_is_allocated_after_the_workspaces() {
         assert!(count(|| drop(Dynamics::new(&robot))) > 5);
     }
 }
+
+/// A longer rollout takes larger tables, and no more of them.
+#[cfg(feature = "simulation")]
+#[test]
+fn nothing_is_allocated_in_a_step_of_our_plant() {
+    use undulate::nalgebra::{DMatrix, DVector};
+    use undulate::{Plant, Simulation, SimulationOptions, Wave};
+
+    let robot = shipped::robot("wave_arm").unwrap();
+    let (joints, offsets) = (robot.joints().clone(), DVector::from_element(6, 0.3));
+    let still = Wave::new(joints, 1.0, offsets, DMatrix::zeros(6, 1)).unwrap();
+    let allocations = |duration| {
+        let options = SimulationOptions {
+            plant: Plant::Rk4,
+            friction: Some(0.1),
+            duration: Some(duration),
+            ..SimulationOptions::default()
+        };
+        let simulation = Simulation::new(&robot, options).unwrap();
+        count(|| drop(simulation.run(&still).unwrap()))
+    };
+    assert_eq!(allocations(0.2), allocations(0.4));
+}

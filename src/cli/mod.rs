@@ -7,13 +7,13 @@ mod compare_periods;
 mod condition;
 mod demands;
 mod describe;
+mod execution;
 mod learn;
 mod learn_cycle;
 mod map;
 mod moves;
 mod output;
 mod pairs;
-mod parallel;
 mod recordings;
 mod reproduce;
 mod robot;
@@ -122,10 +122,6 @@ fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
         e.help("`undulate learn` writes a model file")
             .at(path.display().to_string())
     })
-}
-
-fn read_wave(path: &Path) -> Result<Wave> {
-    read_wave_text(path, &read_text(path)?)
 }
 
 fn read_wave_text(path: &Path, text: &str) -> Result<Wave> {
