@@ -9,8 +9,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion};
 use rand::distr::Distribution;
 use undulate::{
     Demonstrations, Derivative, Estimator, FourierMovementPrimitive, Gaussian, JointKind,
-    LearnOptions, Observation, PeriodGrid, Robot, StartSpread, TrackOptions, Wave, shipped, stream,
-    synthetic, track,
+    LearnOptions, Observation, PeriodGrid, Robot, StartSpread, Wave, shipped, stream, synthetic,
 };
 
 const HARMONICS: usize = 25;
@@ -237,41 +236,12 @@ fn kinematics(c: &mut Criterion) {
     group.finish();
 }
 
-/// One second of tracking at 1 kHz: below 20 ms, 50 times faster than real time. The reference is the same second with
-/// motors alone, which is Rapier and nothing else.
-fn simulation(c: &mut Criterion) {
-    let robot = shipped::robot("wave_arm").unwrap();
-    let map = shipped::map("wave_arm_demonstrator").unwrap();
-    let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), HARMONICS).unwrap();
-    let wave = map
-        .apply(&primitive.sample(&mut stream(0, 1)), &robot)
-        .unwrap();
-    let options = TrackOptions {
-        duration: Some(1.0),
-        ..TrackOptions::default()
-    };
-    let motors = TrackOptions {
-        feed_forward: false,
-        ..options.clone()
-    };
-    let mut group = c.benchmark_group("simulate one second");
-    group.sample_size(20);
-    group.bench_function("ours", |b| {
-        b.iter(|| track(&robot, &wave, &options).unwrap())
-    });
-    group.bench_function("motors alone", |b| {
-        b.iter(|| track(&robot, &wave, &motors).unwrap())
-    });
-    group.finish();
-}
-
 criterion_group!(
     stages,
     learning,
     conditioning,
     sampling,
     moments,
-    kinematics,
-    simulation
+    kinematics
 );
 criterion_main!(stages);

@@ -17,8 +17,8 @@
 //!                                       Wave: a periodic motion of named joints, a finite Fourier series
 //!                                                                               | JointMap
 //!      URDF --> Robot (valid, or it does not exist) -----------+----------------+--+-----------------+
-//!                                                        CollisionModel         track           figures
-//!                                                           (parry)            (Rapier)
+//!                                                        CollisionModel      Simulation         figures
+//!                                                           (parry)          (Rapier, RK4)
 //! ```
 //!
 //! ```
@@ -43,7 +43,7 @@
 //! };
 //!
 //! // Execute it.
-//! let rollout = track(&robot, &wave, &TrackOptions::default())?;
+//! let rollout = Simulation::new(&robot, SimulationOptions::default())?.run(&wave)?;
 //! assert!(rollout.rms_error().max() < 1e-3); // rad
 //! # }
 //! # Ok::<(), undulate::Error>(())
@@ -87,7 +87,7 @@
 //! | feature | brings | default |
 //! |---|---|---|
 //! | `robot` | URDF, kinematics, dynamics, joint maps, self-collision (parry, urdf-rs) | with `cli` |
-//! | `simulation` | execution in Rapier | with `cli` |
+//! | `simulation` | execution in Rapier, and by a plant of our own | with `cli` |
 //! | `figure` | plots, and with `robot` pictures of robots | with `cli` |
 //! | `testing` | strategies and statistical assertions for `cargo test` (proptest) | no |
 //! | `cli` | the `undulate` program | yes |
@@ -113,6 +113,8 @@ mod geometry;
 #[cfg(feature = "robot")]
 mod motion;
 mod normal;
+#[cfg(feature = "simulation")]
+mod parallel;
 pub mod posterior;
 mod primitive;
 mod proportion;
@@ -184,7 +186,10 @@ pub use robot::{
     MeshFiles, Robot, Srdf, Twist,
 };
 #[cfg(feature = "simulation")]
-pub use simulation::{MultibodyWorld, Rollout, TrackOptions, track};
+pub use simulation::{
+    Control, Energy, Event, EventKind, MultibodyWorld, Payload, Plant, Push, Pushed, Rollout,
+    Simulation, SimulationOptions,
+};
 
 /// The README's example is a doctest.
 #[cfg(all(doctest, feature = "simulation"))]
@@ -219,5 +224,8 @@ const _: () = {
         shared::<JointLimits>();
     }
     #[cfg(feature = "simulation")]
-    shared::<Rollout>();
+    {
+        shared::<Rollout>();
+        shared::<Simulation<'_>>();
+    }
 };

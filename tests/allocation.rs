@@ -118,3 +118,26 @@ fn a_player_allocates_nothing_while_it_plays_and_stops() {
     });
     assert_eq!(count, 0);
 }
+
+/// A longer rollout takes larger tables, and no more of them.
+#[cfg(feature = "simulation")]
+#[test]
+fn nothing_is_allocated_in_a_step_of_our_plant() {
+    use undulate::nalgebra::{DMatrix, DVector};
+    use undulate::{Plant, Simulation, SimulationOptions, Wave};
+
+    let robot = shipped::robot("wave_arm").unwrap();
+    let (joints, offsets) = (robot.joints().clone(), DVector::from_element(6, 0.3));
+    let still = Wave::new(joints, 1.0, offsets, DMatrix::zeros(6, 1)).unwrap();
+    let allocations = |duration| {
+        let options = SimulationOptions {
+            plant: Plant::Rk4,
+            friction: Some(0.1),
+            duration: Some(duration),
+            ..SimulationOptions::default()
+        };
+        let simulation = Simulation::new(&robot, options).unwrap();
+        count(|| drop(simulation.run(&still).unwrap()))
+    };
+    assert_eq!(allocations(0.2), allocations(0.4));
+}

@@ -9,7 +9,14 @@ use proc_macro2::{TokenStream, TokenTree};
 /// Modules by rank; a module may use those of lower ranks, and itself.
 const RANKS: [&[&str]; 9] = [
     &["elementary", "error", "vectors"],
-    &["document", "normal", "proportion", "table", "units"],
+    &[
+        "document",
+        "normal",
+        "parallel",
+        "proportion",
+        "table",
+        "units",
+    ],
     &["fourier", "geometry", "posterior"],
     &["demonstration", "motion", "robot"],
     &["collision", "primitive", "retarget"],

@@ -3,7 +3,7 @@
 use rand::distr::Distribution;
 use undulate::{
     CollisionModel, CollisionOptions, FourierMovementPrimitive, LearnOptions, Observation,
-    TrackOptions, Verdict, Wave, shipped, stream, synthetic, track,
+    Simulation, SimulationOptions, Verdict, Wave, shipped, stream, synthetic,
 };
 
 /// The first draw of a seed that passes, and how many were drawn.
@@ -30,6 +30,7 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
     let primitive =
         FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), 25, &LearnOptions::paper())
             .unwrap();
+    let simulation = Simulation::new(&robot, SimulationOptions::default()).unwrap();
     let mut drawn = 0;
     for condition in [
         Observation::modulus("elbow_flexion", 10, 5f64.to_radians()),
@@ -39,7 +40,7 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
         for seed in 0..20 {
             let (wave, draws) = redrawn(&conditioned, seed);
             drawn += draws;
-            let rollout = track(&robot, &wave, &TrackOptions::default()).unwrap();
+            let rollout = simulation.run(&wave).unwrap();
             println!(
                 "seed {seed} rms {:.1e} peak {:.1e} draws {draws} torque {:.1}",
                 rollout.rms_error().max(),

@@ -10,10 +10,11 @@ use super::demands::{Apart, Demands};
 use super::mend::By;
 use super::robot::{RobotArguments, tell_notes};
 use super::verdict::millimetres;
-use super::{Outcome, output, parallel, read_model, read_text};
+use super::{Outcome, output, read_model, read_text};
 use crate::collision::{CollisionModel, Evidence};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{Assessment, Means, Verdict, mend};
+use crate::parallel;
 use crate::primitive::stream;
 
 /// No more waves.

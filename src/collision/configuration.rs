@@ -67,6 +67,15 @@ impl<'m> Checker<'m> {
         self.first_touching(q).map(|pair| &model.pairs[pair])
     }
 
+    /// The numbers of all checked pairs, in the order of [`CollisionModel::pairs`], that touch, overlap or are nearer than their padding at
+    /// configuration `q`. Panics when `q` has not one entry a joint.
+    pub fn collisions(&mut self, q: &[f64], pairs: &mut Vec<usize>) {
+        self.place(q);
+        pairs.clear();
+        let checked = &self.model.checked;
+        pairs.extend(checked.iter().filter(|pair| self.is_touching(**pair)));
+    }
+
     fn first_touching(&mut self, q: &[f64]) -> Option<usize> {
         self.place(q);
         let model = self.model;

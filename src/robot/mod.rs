@@ -13,6 +13,7 @@ mod load;
 mod meshes;
 mod mimics;
 mod missing;
+mod payload;
 mod reduce;
 mod srdf;
 mod tips;
@@ -21,6 +22,7 @@ mod urdf;
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use dynamics::{Dynamics, GRAVITY};
+pub(crate) use dynamics::{factorise, solve};
 use kinematics::Step;
 pub use kinematics::{Frame, Kinematics, Twist};
 pub use load::{Inconsistent, LoadOptions, MeshConvex, MeshEnclosure, MeshFiles};

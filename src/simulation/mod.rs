@@ -1,9 +1,25 @@
-//! Execution of a wave by a simulated robot: a Rapier multibody in f64 behind computed-torque motors.
+//! Execution of a motion by a simulated robot: two plants of different making behind one controller.
 
+mod controller;
+mod drive;
+mod energy;
+mod event;
+mod impulses;
+mod loads;
+mod options;
+mod plant;
+mod rapier;
 mod rollout;
-mod track;
+mod run;
+mod runge_kutta;
+mod semi_implicit;
+mod stability;
+mod table;
 mod world;
 
+pub use energy::Energy;
+pub use event::{Event, EventKind};
+pub use options::{Control, Payload, Plant, Push, Pushed, SimulationOptions};
 pub use rollout::Rollout;
-pub use track::{TrackOptions, track};
+pub use run::Simulation;
 pub use world::MultibodyWorld;

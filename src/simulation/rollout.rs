@@ -1,10 +1,11 @@
 //! [`Rollout`]: what happened.
 
-use std::fmt::Write as _;
-
 use nalgebra::{DMatrix, DVector};
 
+use super::{Energy, Event};
+use crate::error::Result;
 use crate::fourier::Joints;
+use crate::motion::{Spline, StartPosture, Waypoint, Waypoints};
 use crate::robot::JointKind;
 
 /// An executed motion: one row a time step, one column a joint of the robot. rad, rad/s, N m (m, m/s, N for prismatic joints).
@@ -22,11 +23,14 @@ pub struct Rollout {
     pub position: DMatrix<f64>,
     /// Its rates.
     pub velocity: DMatrix<f64>,
-    /// What acted along the joint over the step that starts at the row: its motor and, at a position limit, its stop
-    /// (the last row repeats the one before).
+    /// What its motor gave over the step that starts at the row (the last row repeats the one before).
     pub torque: DMatrix<f64>,
     /// Steps in which that was at the effort limit of the motor or beyond, by joint.
     pub saturated: Vec<usize>,
+    /// Where energy came from and went.
+    pub energy: Energy,
+    /// What joints ran into, by time.
+    pub events: Vec<Event>,
 }
 
 impl Rollout {
@@ -54,52 +58,56 @@ impl Rollout {
         )
     }
 
+    /// Largest |velocity|, by joint (D).
+    pub fn peak_velocity(&self) -> DVector<f64> {
+        let columns = self.velocity.column_iter();
+        DVector::from_iterator(self.velocity.ncols(), columns.map(|c| c.amax()))
+    }
+
+    /// How far each joint was from the motion at most, between rows too \[rad, m\]: what a certificate of the motion is to allow for,
+    /// if it is to hold for the way that the robot went ([`achieved`](Self::achieved)).
+    ///
+    /// Between two rows, the way is off their chord by 4/27 dt (|v - s| + |v' - s|) at most, s being the chord's slope; the motion, with a
+    /// second derivative of r'', by r'' dt^2 / 8. Twice that is allowed for, since r'' dt^2 is taken from the second differences of rows.
+    pub fn tolerance(&self) -> Vec<f64> {
+        let error = self.error();
+        let dt = self.times[1] - self.times[0];
+        let series = self.position.column_iter().zip(self.velocity.column_iter());
+        let tables = series.zip(self.reference.column_iter());
+        let columns = tables.zip(error.column_iter());
+        columns
+            .map(|(((q, v), r), e)| {
+                let mut off = 0.0_f64;
+                for n in 0..q.len() - 1 {
+                    let moved = q[n + 1] - q[n];
+                    off = off.max((dt * v[n] - moved).abs() + (dt * v[n + 1] - moved).abs());
+                }
+                let bends = r.as_slice().windows(3);
+                let bend = bends.map(|r| (r[0] - 2.0 * r[1] + r[2]).abs());
+                e.amax() + 4.0 / 27.0 * off + 0.25 * bend.fold(0.0, f64::max)
+            })
+            .collect()
+    }
+
+    /// The way that the robot went, as a motion: cubic from row to row.
+    ///
+    /// # Errors
+    /// When it is too long to be one.
+    pub fn achieved(&self) -> Result<Spline> {
+        let rows = |table: &DMatrix<f64>| table.transpose().as_slice().to_vec();
+        let (positions, velocities) = (rows(&self.position), rows(&self.velocity));
+        let joints = self.joints.len();
+        let waypoints = self.times.iter().enumerate().map(|(n, time)| Waypoint {
+            time: *time,
+            positions: &positions[n * joints..][..joints],
+            velocities: Some(&velocities[n * joints..][..joints]),
+            accelerations: None,
+        });
+        let waypoints = Waypoints::new(self.joints.clone(), waypoints)?;
+        Spline::new(&waypoints, StartPosture::Given)
+    }
+
     fn error(&self) -> DMatrix<f64> {
         &self.position - &self.reference
-    }
-
-    /// A table: `time_s`, then for each joint its reference, position, velocity and torque.
-    pub fn to_csv(&self) -> String {
-        let mut text = String::from("time_s");
-        for (joint, kind) in self.joints.iter().zip(&self.kinds) {
-            let name = quoted(joint);
-            let quantities = match kind {
-                JointKind::Revolute => [
-                    "reference_rad",
-                    "position_rad",
-                    "velocity_rad_s",
-                    "torque_nm",
-                ],
-                JointKind::Prismatic => ["reference_m", "position_m", "velocity_m_s", "force_n"],
-            };
-            for quantity in quantities {
-                let _ = write!(text, ",{}", name.replace("{}", quantity));
-            }
-        }
-        text.push('\n');
-        for (n, t) in self.times.iter().enumerate() {
-            let _ = write!(text, "{t}");
-            for j in 0..self.joints.len() {
-                for series in [
-                    &self.reference,
-                    &self.position,
-                    &self.velocity,
-                    &self.torque,
-                ] {
-                    let _ = write!(text, ",{}", series[(n, j)]);
-                }
-            }
-            text.push('\n');
-        }
-        text
-    }
-}
-
-/// A column name `joint.{}`, quoted when the joint's name needs it.
-fn quoted(joint: &str) -> String {
-    if joint.contains(['"', ',', '\n', '\r']) {
-        format!("\"{}.{{}}\"", joint.replace('"', "\"\""))
-    } else {
-        format!("{joint}.{{}}")
     }
 }

@@ -1,19 +1,26 @@
 //! The robot as a Rapier multibody.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use rapier3d::dynamics::{
     GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, MotorModel,
-    Multibody, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle,
+    Multibody, MultibodyJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
 use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::pipeline::PhysicsWorld;
 
+use super::loads::Losses;
 use crate::error::{Error, ErrorKind, Result};
 use crate::robot::{Body, BodyJoint, GRAVITY, JointKind, Robot};
 
-/// Iterations of the constraint solver within a step; with fewer, motors near their limits are not resolved,
-/// and more than one outer step leaves a jitter of 1e-3 rad/s.
-const SOLVER_ITERATIONS: usize = 8;
+/// Iterations of the constraint solver within a step. With 8, motors near their limits are resolved, but not those of joints that move each
+/// other much (shoulder and forearm about nearly one axis). More than one outer step leaves a jitter of 1e-3 rad/s.
+const SOLVER_ITERATIONS: usize = 20;
+
+/// What a stop corrects in a step of what a joint is beyond it.
+const STOP: f64 = 0.02;
+
+/// Damping ratio of stops: they give way by less than STOP^-1 / (2 STOP_DAMPING)^2 of what they hold.
+const STOP_DAMPING: f64 = 1000.0;
 
 /// A robot on its fixed base in a Rapier world with gravity: one multibody, one link a body, without colliders
 /// (whether a motion touches is the business of the collision model).
@@ -53,7 +60,8 @@ impl MultibodyWorld {
         for (i, body) in robot.bodies().iter().enumerate().skip(1) {
             let Some(joint) = &body.joint else { continue };
             let limits = joint.properties.position;
-            let (axis, data) = generic_joint(joint, limits.map(|l| [l.lower, l.upper]));
+            let limits = limits.map(|l| [l.lower, l.upper]);
+            let (axis, data) = generic_joint(joint, limits, time_step);
             let handle = world
                 .multibody_joints
                 .insert(bodies[body.parent], bodies[i], data, true)
@@ -103,6 +111,62 @@ impl MultibodyWorld {
         multibody.apply_displacements(&displacement);
         multibody.forward_kinematics(&world.bodies, false);
         multibody.update_rigid_bodies(&mut world.bodies, true);
+    }
+
+    /// Iterations of the solver within a step, in place of 20.
+    pub(super) fn set_solver_iterations(&mut self, iterations: usize) {
+        self.world
+            .integration_parameters
+            .num_internal_pgs_iterations = iterations;
+    }
+
+    /// Damping and friction of the joints, by body, in place of the URDF's.
+    pub(super) fn set_losses(&mut self, losses: &[Losses]) {
+        for (body, joint) in self.joints.iter().enumerate() {
+            let Some((multibody, link)) = self.world.multibody_joints.get_mut(*joint) else {
+                continue;
+            };
+            if let Some(at) = multibody.link(link).map(|link| link.assembly_id()) {
+                multibody.damping_mut()[at] = losses[body + 1].damping;
+                multibody.frictions_mut()[at] = losses[body + 1].friction;
+            }
+        }
+    }
+
+    /// Takes off all forces that were added.
+    pub(super) fn clear_forces(&mut self) {
+        for handle in &self.bodies {
+            self.world.bodies[*handle].reset_forces(false);
+            self.world.bodies[*handle].reset_torques(false);
+        }
+    }
+
+    /// A force on a body at a point, in the base frame \[N, m\].
+    pub(super) fn add_force(&mut self, body: usize, force: &Vector3<f64>, at: &Vector3<f64>) {
+        self.world.bodies[self.bodies[body]].add_force_at_point(
+            Vector::new(force.x, force.y, force.z),
+            Vector::new(at.x, at.y, at.z),
+            true,
+        );
+    }
+
+    /// A torque on a body, in the base frame \[N m\].
+    pub(super) fn add_torque(&mut self, body: usize, torque: &Vector3<f64>) {
+        let torque = Vector::new(torque.x, torque.y, torque.z);
+        self.world.bodies[self.bodies[body]].add_torque(torque, true);
+    }
+
+    /// A body that Rapier has disabled because its state is not finite.
+    pub(super) fn quarantined(&self) -> Option<usize> {
+        let quarantine = self.world.physics_pipeline.quarantine();
+        if quarantine.is_empty() {
+            return None;
+        }
+        let found = self
+            .bodies
+            .iter()
+            .position(|b| quarantine.bodies().contains(b));
+        Some(found.unwrap_or(0))
     }
 
     /// Sets the motor of the joint of body `body` (1 or more): a spring of stiffness `kp` to `position`, a damper `kd` to
@@ -162,7 +226,7 @@ impl MultibodyWorld {
     }
 }
 
-/// Gains and limit of a motor.
+/// Gains and limit of a motor, which gives in a step what its spring and damper would at the end of it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motor {
     /// \[N m/rad\]
@@ -197,7 +261,14 @@ fn rigid_body(body: &Body) -> RigidBodyBuilder {
 }
 
 /// Rapier's joints turn about, or slide along, the x axis of a frame: b takes x to the joint's axis.
-fn generic_joint(joint: &BodyJoint, limits: Option<[f64; 2]>) -> (JointAxis, GenericJoint) {
+///
+/// By default a stop gives back in one step all that a joint is beyond it, and so as much speed as it came with. Here it gives back
+/// [`STOP`] of it a step; the high damping ratio keeps the stop hard, and with it friction, which has the same coefficients.
+fn generic_joint(
+    joint: &BodyJoint,
+    limits: Option<[f64; 2]>,
+    time_step: f64,
+) -> (JointAxis, GenericJoint) {
     let a = joint.axis.into_inner();
     let b = Pose::from_parts(
         Vector::new(0.0, 0.0, 0.0),
@@ -217,6 +288,11 @@ fn generic_joint(joint: &BodyJoint, limits: Option<[f64; 2]>) -> (JointAxis, Gen
     };
     let mut builder = GenericJointBuilder::new(locked)
         .contacts_enabled(false)
+        .softness(SpringCoefficients {
+            natural_frequency: STOP / (1.0 - STOP) * 2.0 * STOP_DAMPING
+                / (std::f64::consts::TAU * time_step),
+            damping_ratio: STOP_DAMPING,
+        })
         .local_frame1(origin * b)
         .local_frame2(b);
     if let Some(limits) = limits {

@@ -9,7 +9,7 @@ use crate::fourier::Wave;
 use crate::primitive::{FourierMovementPrimitive, Observation, stream};
 use crate::retarget::JointMap;
 use crate::robot::Robot;
-use crate::simulation::{Rollout, TrackOptions, track};
+use crate::simulation::{Rollout, Simulation, SimulationOptions};
 
 /// Draws after which a condition is given up.
 const MOST_DRAWS: u64 = 1000;
@@ -52,7 +52,8 @@ impl Bench<'_> {
         let (second, _) = self.redraw(&primitive, &mut draws)?;
         let mapped = self.map.apply(&first, self.robot)?;
         let clearance = self.collision.minimum_clearance(&mapped, ACCURACY)?;
-        let rollout = track(self.robot, &mapped, &TrackOptions::default())?;
+        let simulation = Simulation::new(self.robot, SimulationOptions::default())?;
+        let rollout = simulation.run(&mapped)?;
         Ok(Case {
             name,
             observation,

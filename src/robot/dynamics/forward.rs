@@ -36,6 +36,17 @@ impl Dynamics {
         solve(&self.factor, &mut self.accelerations);
         Ok(&self.accelerations)
     }
+
+    /// Makes of `forces` what they add to the accelerations of the configuration that [`forward`](Self::forward) was asked about
+    /// last: M(q)^-1 times them.
+    pub(crate) fn respond(&self, forces: &mut [f64]) {
+        solve(&self.factor, forces);
+    }
+
+    /// The mass matrix of that configuration.
+    pub(crate) fn last_mass_matrix(&self) -> &DMatrix<f64> {
+        &self.mass
+    }
 }
 
 #[cold]
@@ -53,7 +64,7 @@ fn singular(robot: &Robot, joint: usize) -> Error {
 }
 
 /// L with L L^T = A in the lower triangle of A, column by column; the column at fault where a pivot is lost in rounding.
-fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> {
+pub(crate) fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> {
     let n = a.nrows();
     for j in 0..n {
         let least = n as f64 * f64::EPSILON * a[(j, j)];
@@ -77,7 +88,7 @@ fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> {
 }
 
 /// x with L L^T x = b, in place.
-fn solve(l: &DMatrix<f64>, x: &mut [f64]) {
+pub(crate) fn solve(l: &DMatrix<f64>, x: &mut [f64]) {
     let n = x.len();
     for j in 0..n {
         x[j] /= l[(j, j)];

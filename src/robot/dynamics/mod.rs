@@ -11,6 +11,7 @@ mod mass_matrix;
 
 use nalgebra::{DMatrix, Vector3};
 
+pub(crate) use forward::{factorise, solve};
 pub(super) use inertia::SpatialInertia;
 use inertia::Wrench;
 pub(super) use mass_matrix::mass_diagonal;

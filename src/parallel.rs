@@ -6,7 +6,7 @@ use std::sync::mpsc;
 
 /// Does `work` for 0..`count` on `threads` threads, each with its own tools from `tools`, and hands each result to `take` in
 /// order, as early as order allows: the same calls whatever the number of threads is.
-pub(super) fn in_order<T, R: Send>(
+pub(crate) fn in_order<T, R: Send>(
     count: usize,
     threads: usize,
     tools: impl Fn() -> T + Sync,
