@@ -67,16 +67,16 @@ impl<'a> Watch<'a> {
     fn see(&mut self, state: &State) {
         let q = state.position.as_slice();
         assert!(self.checker.collision(q).is_none(), "contact at {q:?}");
-        for j in 0..q.len() {
+        for (j, position) in q.iter().enumerate() {
             let own = self.robot.properties(j);
-            assert!(own.position.is_none_or(|range| range.contains(q[j])));
+            assert!(own.position.is_none_or(|range| range.contains(*position)));
             assert!(
                 own.velocity
                     .is_none_or(|limit| state.velocity[j].abs() <= limit)
             );
         }
         if let Some(before) = &self.before {
-            for j in 0..q.len() {
+            for (j, position) in q.iter().enumerate() {
                 let [a, b] = [&before.acceleration, &state.acceleration].map(|a| a[j]);
                 self.jolt = self.jolt.max((b - a).abs());
                 // The trapezoidal rule, up to the third derivative.
@@ -86,7 +86,7 @@ impl<'a> Watch<'a> {
                 let ahead =
                     before.position[j] + 0.5 * STEP * (before.velocity[j] + state.velocity[j]);
                 let bend = a.abs().max(b.abs()) + jerk * STEP;
-                assert!((q[j] - ahead).abs() <= bend * STEP * STEP + 1e-12);
+                assert!((position - ahead).abs() <= bend * STEP * STEP + 1e-12);
             }
         }
         self.before = Some(state.clone());

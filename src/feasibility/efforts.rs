@@ -162,11 +162,11 @@ impl<'a> Plant<'a> {
             return (0.0, 0.0);
         };
         let mut highest = (times[top].0, samples[top]);
-        for n in 0..count {
+        for (n, time) in times.iter().enumerate() {
             // What stays as it is has no peak.
             let is_peak = at(n) > at(n + count - 1) && at(n) >= at(n + 1);
             if n == top || is_peak && at(n) >= at(top) - RIVAL * width {
-                let found = self.peak(motion, joint, times[n], sign);
+                let found = self.peak(motion, joint, *time, sign);
                 if sign * found.1 > sign * highest.1 {
                     highest = found;
                 }
