@@ -357,7 +357,9 @@ fn histogram(assessment: &Assessment) -> String {
     let mut counts = vec![0; all.div_ceil(together)];
     for (from, _, count) in &bins {
         let bin = ((from - first.0) / width).round() as usize;
-        counts[bin / together] += count;
+        // Beyond 2^53 bins their numbers are rounded.
+        let last = counts.len() - 1;
+        counts[(bin / together).min(last)] += count;
     }
     let most = counts.iter().copied().max().unwrap_or(1).max(1);
     let mut lines = vec!["smallest clearance [mm]".to_owned()];

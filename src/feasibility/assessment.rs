@@ -259,7 +259,8 @@ impl Assessment {
     /// Smallest clearances: from, to \[m\], and how many; and how many are not known.
     pub fn clearances(&self) -> (Vec<(f64, f64, u64)>, u64) {
         let bins = self.clearance.bins.iter();
-        let edges = bins.map(|(n, count)| (*n as f64 * BIN, (*n + 1) as f64 * BIN, *count));
+        let edge = |n: f64| n * BIN;
+        let edges = bins.map(|(n, count)| (edge(*n as f64), edge(*n as f64 + 1.0), *count));
         (edges.collect(), self.clearance.unknown)
     }
 
@@ -283,6 +284,11 @@ impl Assessment {
     pub fn from_json(text: &str) -> Result<Self> {
         let this: Self = document::read(text, ASSESSMENT, VERSION)?;
         let wrong = |what: &str| Err(Error::new(ErrorKind::Value, what));
+        // Codes become names of files.
+        let is_known = |code: &String| Reason::ALL.iter().any(|reason| reason.code() == code);
+        if !this.failures.keys().all(is_known) {
+            return wrong("a kind of failure that there is not");
+        }
         let mut end = 0;
         for (n, (from, to)) in this.drawn.iter().enumerate() {
             if from >= to || (n > 0 && *from <= end) || *to > this.waves {
@@ -416,5 +422,13 @@ mod tests {
         let text = a.to_json().replace("[[0,3]]", "[[0,2]]");
         assert!(Assessment::from_json(&text).is_err());
         assert!(Assessment::from_json("{}").is_err());
+        // What would be written beside the folder that was asked for.
+        let text = a.to_json().replace("\"invalid\"", "\"../invalid\"");
+        assert!(Assessment::from_json(&text).is_err());
+        // Clearances beyond all numbers.
+        let bins = format!("\"bins\":{{\"{}\":2}},\"unknown\":1", i64::MAX);
+        let text = a.to_json().replace("\"bins\":{},\"unknown\":3", &bins);
+        let (edges, _) = Assessment::from_json(&text).unwrap().clearances();
+        assert!(edges[0].1.is_finite());
     }
 }

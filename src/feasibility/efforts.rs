@@ -1,6 +1,6 @@
 //! What torque or force a motion takes of each joint.
 
-use super::limits::{LimitSource, excess_of};
+use super::limits::excess_of;
 use crate::error::{Reason, Result};
 use crate::fourier::{Interval, State};
 use crate::motion::{Motion, Tube};
@@ -53,11 +53,6 @@ impl EffortUse {
     /// Why the motion does not pass, if the limit is broken.
     pub fn reason(&self) -> Option<Reason> {
         (self.excess() > 0.0).then_some(Reason::EffortLimit)
-    }
-
-    /// Who set the limit.
-    pub fn source(&self) -> LimitSource {
-        LimitSource::Robot
     }
 }
 

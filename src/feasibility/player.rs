@@ -283,7 +283,7 @@ impl Player {
     ///
     /// # Errors
     /// When it is too late for it, or something else was taken since it was made: what runs goes on.
-    pub fn take(&mut self, plan: Plan) -> Result<Option<Plan>> {
+    pub fn take(&mut self, plan: Plan) -> Result<Plan> {
         let late = plan.at < self.time();
         if late || plan.version != self.version || self.is_stopping {
             let why = if late {
@@ -304,13 +304,12 @@ impl Player {
         // A stop finds room.
         self.parts.reserve(1);
         self.version += 1;
-        let before = Plan {
+        Ok(Plan {
             version: self.version,
             at,
             parts: finished,
             stops: std::mem::replace(&mut self.stops, stops),
-        };
-        Ok(Some(before))
+        })
     }
 
     /// Comes to a standstill by the next stop, and tells how long that takes \[s\]. Allocates nothing.

@@ -7,6 +7,9 @@ use crate::fourier::{Derivative, Extremes, Interval, Joints, State, Wave};
 /// Where two legs meet, positions, velocities and accelerations are the same to this share of their size, and of 1.
 const SMOOTH: f64 = 1e-6;
 
+/// A wave goes on for no more cycles of its highest harmonic: proofs look at each of them.
+const MOST_CYCLES: f64 = 1e6;
+
 /// What reducing a time to that of a leg may lose, in machine epsilons of the times.
 const LATE: f64 = 8.0 * f64::EPSILON;
 
@@ -128,6 +131,18 @@ impl Sequence {
                     Error::new(ErrorKind::Value, format!("a duration of {duration} s"))
                         .because(Reason::NoDuration)
                         .expected("a positive number of seconds")
+                        .at(place()),
+                );
+            }
+            if let Leg::Wave { wave, .. } = leg
+                && duration / wave.period() * wave.harmonics() as f64 > MOST_CYCLES
+            {
+                return Err(
+                    Error::new(ErrorKind::Value, format!("a wave for {duration} s"))
+                        .because(Reason::TooLarge)
+                        .expected(format!(
+                            "at most {MOST_CYCLES:e} cycles of its highest harmonic"
+                        ))
                         .at(place()),
                 );
             }
@@ -514,6 +529,7 @@ mod tests {
         refused(vec![], "nothing");
         refused(vec![raise(), leg(0.41, 1.0)], "leg 2: the position");
         refused(vec![raise(), leg(0.4, f64::NAN)], "a duration of NaN");
+        refused(vec![raise(), leg(0.4, 1e12)], "a wave for 1000000000000 s");
         assert!(Sequence::new(vec![raise(), leg(0.4, 1.0)]).is_ok());
     }
 }
