@@ -80,7 +80,7 @@ impl Facts {
             doubts: robot.doubts(),
             missing: vec![
                 ("kinematics", None),
-                ("collision", why(robot.require_collision())),
+                ("collision", why(robot.require_collision(0))),
                 ("dynamics", why(robot.require_dynamics())),
             ],
         }

@@ -24,6 +24,7 @@ mod reproduce;
 mod robot;
 mod sample;
 mod screen;
+mod screened;
 mod simulate;
 mod source;
 mod trajectory;

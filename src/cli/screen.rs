@@ -1,36 +1,29 @@
 //! `undulate screen`.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rand::distr::Distribution;
-use serde_json::{Value, json};
 
 use super::demands::{Apart, Demands};
 use super::moves::{Course, Loaded, MoveArguments};
 use super::robot::{RobotArguments, tell_notes};
+use super::screened::{Line, share, summary, words};
 use super::trajectory::Form;
-use super::verdict::{codes, millimetres};
 use super::{Outcome, output, read_model};
 use crate::collision::{Certification, CollisionModel, Prover, Stretch};
-use crate::error::{Error, ErrorKind, Reason, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{CheckOptions, Verdict};
 use crate::figure::{ClearanceCourse, clearance};
 use crate::fourier::Wave;
 use crate::motion::Motion;
 use crate::parallel;
 use crate::primitive::{FourierMovementPrimitive, stream};
-use crate::proportion::clopper_pearson;
 use crate::retarget::JointMap;
 use crate::robot::Robot;
 
 /// No more waves at once.
 const MOST: usize = 10_000_000;
-/// Of the interval of a share.
-const CONFIDENCE: f64 = 0.95;
-/// Pairs and motions that a summary names.
-const NAMED: usize = 5;
 /// Motions that a figure shows, those that come nearest.
 const SHOWN: usize = 6;
 /// Intervals of a panel, and how exactly it tells the clearance \[m\].
@@ -75,10 +68,10 @@ pub(super) struct Arguments {
     least: Option<f64>,
     /// Write one JSON line a wave.
     #[arg(long, short, value_name = "FILE.jsonl")]
-    output: Option<PathBuf>,
+    pub output: Option<PathBuf>,
     /// Draw the clearance over time of those that come nearest.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
-    figure: Option<PathBuf>,
+    pub figure: Option<PathBuf>,
 }
 
 /// Where motions come from.
@@ -90,18 +83,6 @@ enum Motions {
         seed: u64,
     },
     Read(Vec<(String, Result<Loaded>)>),
-}
-
-/// What became of one motion: the line of it, and what a summary needs.
-struct Line {
-    text: String,
-    index: usize,
-    name: Option<String>,
-    reasons: Vec<Reason>,
-    is_clear: bool,
-    /// Names of the pair that comes nearest, and how near \[m\].
-    nearest: Option<((String, String), f64)>,
-    error: Option<Error>,
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
@@ -353,135 +334,4 @@ fn course<M: Motion>(
         _ => Vec::new(),
     };
     Ok((profile, undecided))
-}
-
-impl Line {
-    fn new(index: usize, name: Option<String>, verdict: Result<Verdict>) -> Self {
-        let (verdict, error) = match verdict {
-            Ok(verdict) => (Some(verdict), None),
-            Err(error) => (None, Some(error)),
-        };
-        let reasons = match (&verdict, &error) {
-            (Some(verdict), _) => verdict.reasons(),
-            (None, error) => error.iter().map(Reason::of).collect(),
-        };
-        let collision = verdict.as_ref().and_then(|v| v.collision.as_ref());
-        let clearance = verdict.as_ref().and_then(|v| v.clearance.as_ref());
-        let is_clear = collision.is_some_and(Certification::is_clear);
-        let value = json!({
-            "index": index,
-            "motion": name,
-            "passes": reasons.is_empty(),
-            "reasons": codes(&reasons),
-            "verdict": collision.map(|c| match c {
-                Certification::Clear { .. } => "clear",
-                Certification::Collides { .. } => "collides",
-                Certification::Undecided { .. } => "undecided",
-            }),
-            "clearance_m": clearance.map(|c| [c.lower, c.at.distance]),
-            "pair": clearance.map(|c| [&c.at.pair.0, &c.at.pair.1]),
-            "time_s": clearance.map(|c| c.at.time),
-            "intervals": collision.map(|c| c.work().intervals),
-            "distances": collision.map(|c| c.work().distances),
-            "error": error.as_ref().map(ToString::to_string),
-        });
-        Self {
-            text: value.to_string(),
-            index,
-            name,
-            is_clear,
-            nearest: clearance.map(|c| (c.at.pair.clone(), c.at.distance)),
-            reasons,
-            error,
-        }
-    }
-}
-
-fn share(some: usize, all: usize) -> (f64, f64) {
-    clopper_pearson(some as u64, all as u64, CONFIDENCE)
-}
-
-/// How often each reason is given, in the order of the table.
-fn reasons(lines: &[Line]) -> BTreeMap<Reason, usize> {
-    let mut counts = BTreeMap::new();
-    for reason in lines.iter().flat_map(|l| &l.reasons) {
-        *counts.entry(*reason).or_default() += 1;
-    }
-    counts
-}
-
-/// For each pair that comes nearest in a wave, in how many, and how near; the nearest first.
-fn worst(lines: &[Line]) -> Vec<(&(String, String), usize, f64)> {
-    let mut pairs: BTreeMap<&(String, String), (usize, f64)> = BTreeMap::new();
-    for (pair, distance) in lines.iter().filter_map(|l| l.nearest.as_ref()) {
-        let entry = pairs.entry(pair).or_insert((0, f64::INFINITY));
-        *entry = (entry.0 + 1, entry.1.min(*distance));
-    }
-    let mut worst: Vec<_> = pairs.into_iter().map(|(p, (n, d))| (p, n, d)).collect();
-    worst.sort_by(|a, b| a.2.total_cmp(&b.2));
-    worst.truncate(NAMED);
-    worst
-}
-
-fn counts(lines: &[Line]) -> [(&'static str, usize); 2] {
-    let count = |is: fn(&Line) -> bool| lines.iter().filter(|l| is(l)).count();
-    [
-        ("passes", count(|l| l.reasons.is_empty())),
-        ("clear", count(|l| l.is_clear)),
-    ]
-}
-
-fn summary(lines: &[Line], arguments: &Arguments) -> Value {
-    let mut value = json!({
-        "summary": true,
-        "waves": lines.len(),
-        "confidence": CONFIDENCE,
-        "reasons": reasons(lines).iter().map(|(r, n)| (r.code().to_owned(), json!(n))).collect::<serde_json::Map<_, _>>(),
-        "worst_pairs": worst(lines).iter().map(|(pair, count, distance)| json!({
-            "pair": [pair.0, pair.1], "waves": count, "clearance_m": distance,
-        })).collect::<Vec<_>>(),
-        "output": arguments.output,
-        "figure": arguments.figure,
-    });
-    for (what, count) in counts(lines) {
-        let (lower, upper) = share(count, lines.len());
-        value[what] = json!({
-            "waves": count,
-            "share": count as f64 / (lines.len() as f64).max(1.0),
-            "interval": [lower, upper],
-        });
-    }
-    value
-}
-
-fn words(lines: &[Line], arguments: &Arguments) -> String {
-    let mut text = Vec::new();
-    for (what, count) in counts(lines) {
-        let (lower, upper) = share(count, lines.len());
-        let told = match what {
-            "clear" => "proven clear",
-            what => what,
-        };
-        text.push(format!(
-            "{told}: {count} of {} waves, {:.1} % ({:.1} .. {:.1} % with {:.0} % confidence)",
-            lines.len(),
-            100.0 * count as f64 / (lines.len() as f64).max(1.0),
-            100.0 * lower,
-            100.0 * upper,
-            100.0 * CONFIDENCE
-        ));
-    }
-    for (reason, count) in reasons(lines) {
-        text.push(format!("reason: {reason} {count} times"));
-    }
-    for ((a, b), count, distance) in worst(lines) {
-        text.push(format!(
-            "{a} and {b} come nearest in {count} waves, to {} mm at the least",
-            millimetres(distance)
-        ));
-    }
-    for path in [&arguments.output, &arguments.figure].into_iter().flatten() {
-        text.push(format!("wrote {}", path.display()));
-    }
-    text.join("\n")
 }

@@ -61,7 +61,11 @@ pub(super) fn effort_table(efforts: &[EffortUse]) -> String {
             let Interval { lower, upper } = effort.range;
             vec![
                 effort.joint.clone(),
-                format!("{lower:.2} .. {upper:.2} {unit}"),
+                if lower.abs().max(upper.abs()) < 1e6 {
+                    format!("{lower:.2} .. {upper:.2} {unit}")
+                } else {
+                    format!("{lower:.2e} .. {upper:.2e} {unit}")
+                },
                 effort.limit.map_or("none given".to_owned(), |limit| {
                     format!("{limit:.2} {unit}")
                 }),
@@ -176,14 +180,21 @@ pub(super) fn collision_words(
         }
     }
     if let Some(MinimumClearance { lower, at, .. }) = &verdict.clearance {
+        // Distances are known to a nanometre besides.
+        let is_short = |accuracy: f64| at.distance - lower > accuracy + 1e-9;
         lines.push(format!(
-            "smallest clearance: between {} and {} mm, {} and {} at {:.3} s{}",
+            "smallest clearance: between {} and {} mm, {} and {} at {:.3} s{}{}",
             millimetres(*lower),
             millimetres(at.distance),
             at.pair.0,
             at.pair.1,
             at.time,
-            padding(at)
+            padding(at),
+            match options.accuracy {
+                Some(accuracy) if is_short(accuracy) =>
+                    "; not to the accuracy asked for: the motion is too fast to be followed further",
+                _ => "",
+            }
         ));
     }
     lines

@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let looked_at = look(arguments, json);
     if let Err(error) = &looked_at {
         let value = json!({"passes": false, "error": error.to_string()});
-        output::report(json, &value, || "does not hold".to_owned());
+        output::report(json, &value, || "could not be looked at".to_owned());
     }
     looked_at
 }

@@ -41,14 +41,14 @@ impl Batch {
         let (mut turning, mut moving) = (Vector3::zeros(), Vector3::zeros());
         let (mut rest, mut later) = (0.0, 0.0);
         // From B back to A, so that what moves later is summed already.
-        for step in model.chains[pair].steps.iter().rev() {
-            let joint = &model.frames.joints()[step.joint];
+        for step in model.chains.of(pair).iter().rev() {
+            let joint = &model.frames.joints()[step.joint()];
             let placement = lane_of(&self.placed[joint.body], lane);
             let axis: Vector3<f64> = placement.rotation.column(2).into();
-            let velocity = step.sign * joint.multiplier * self.rows.velocity[joint.index][lane];
+            let velocity = step.sign() * joint.multiplier * self.rows.velocity[joint.index][lane];
             let bend = joint.multiplier.abs() * self.rows.bend[joint.index][lane] * OUTWARD
-                + self.tolerance[step.joint][lane];
-            let turn = self.turn[step.joint][lane];
+                + self.tolerance[step.joint()][lane];
+            let turn = self.turn[step.joint()][lane];
             match joint.kind {
                 JointKind::Revolute => {
                     let rho = self.second_rho(step)[lane] + girth;

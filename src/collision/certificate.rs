@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::found::Leaf;
 use super::pairs::PairStatus;
 use super::part::PartGeometry;
-use super::search::Leaf;
 use super::{Certification, CollisionModel, Moment, Prover};
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
@@ -78,7 +78,7 @@ pub(super) struct File {
     pub rests_on: Vec<Evidence>,
     /// Of all shapes of links and scene, as they were used.
     pub geometry_sha256: String,
-    geometry: Vec<GeometryEntry>,
+    pub geometry: Vec<GeometryEntry>,
     /// Where each limit came from that the motion was held to, as its maker tells.
     limits: Vec<String>,
     pub checked: Vec<PairEntry>,
@@ -90,7 +90,7 @@ pub(super) struct File {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct GeometryEntry {
+pub(super) struct GeometryEntry {
     part: String,
     shapes: Vec<String>,
 }
@@ -207,7 +207,7 @@ impl CollisionModel {
             .collect()
     }
 
-    fn geometry(&self, robot: &Robot) -> Vec<GeometryEntry> {
+    pub(super) fn geometry(&self, robot: &Robot) -> Vec<GeometryEntry> {
         let of_links = robot
             .links()
             .iter()

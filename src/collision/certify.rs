@@ -1,7 +1,8 @@
 //! The certificate: a proof that a motion keeps every pair apart, between the samples too.
 
 use super::CollisionModel;
-use super::search::{At, Found, Goal, Leaf, Search, Work};
+use super::found::{At, Found, Goal, Leaf, Work};
+use super::search::Search;
 use crate::error::{Error, ErrorKind, Result};
 use crate::motion::Motion;
 
@@ -38,7 +39,7 @@ pub enum Certification {
         /// What it took.
         work: Work,
     },
-    /// Neither: on these stretches the distance is within a nanometre of the margin, or within what the tolerance allows the joints, or four million
+    /// Neither: on these stretches the distance is within a nanometre of the margin, or within what the tolerance allows the joints, or half a million
     /// intervals were not enough. The motion itself is not found to come nearer than the margin.
     Undecided {
         /// Each with its pair, in order of time; at least one.
@@ -300,7 +301,7 @@ impl CollisionModel {
     fn stretches(&self, found: &Found) -> Vec<Stretch> {
         let mut undecided = found.undecided.clone();
         undecided.sort_by(|a, b| a.pair.cmp(&b.pair).then(a.from.total_cmp(&b.from)));
-        let mut merged: Vec<super::search::Stretch> = Vec::new();
+        let mut merged: Vec<super::found::Stretch> = Vec::new();
         for stretch in undecided {
             match merged.last_mut() {
                 Some(last)

@@ -21,25 +21,43 @@ use super::filter::OUTWARD;
 use super::frames::Frames;
 use super::pairs::Pair;
 use super::part::{Part, PartGeometry};
+use crate::error::{Error, ErrorKind, Result};
 use crate::robot::JointKind;
 
-/// The joints between the parts of a pair, from the first to the second.
+/// The joints between the parts of each pair, one chain after the other in one list: long chains have very many pairs.
 #[derive(Debug, Clone)]
-pub(super) struct Chain {
-    pub steps: Vec<Step>,
-    /// Those that hold the rho of its joints.
-    pub rows: Vec<usize>,
+pub(super) struct Chains {
+    steps: Vec<Step>,
+    /// Where the chain of each pair starts; at the end, where the last one ends.
+    starts: Vec<usize>,
+    /// What the steps share.
+    pub rows: Vec<Row>,
 }
 
 /// A joint of a chain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
+    joint: u32,
+    /// Seen from the first part, the second turns against the joint: on the way from the first part to the base.
+    is_against: bool,
+    rows: (Option<u32>, u32),
+}
+
+impl Step {
     /// Number of the joint among [`Frames::joints`].
-    pub joint: usize,
-    /// Seen from the first part, the second turns with the joint (1), or against it (-1): on the way from the first part to the base.
-    pub sign: f64,
+    pub fn joint(&self) -> usize {
+        self.joint as usize
+    }
+
+    /// Seen from the first part, the second turns with the joint (1), or against it (-1).
+    pub fn sign(&self) -> f64 {
+        if self.is_against { -1.0 } else { 1.0 }
+    }
+
     /// Which row has its rho for the first part and for the second; `None` for the first where it is a half-space, which is endless.
-    pub rows: (Option<usize>, usize),
+    pub fn rows(&self) -> (Option<usize>, usize) {
+        (self.rows.0.map(|row| row as usize), self.rows.1 as usize)
+    }
 }
 
 /// What rho is wanted of: a part and a joint.
@@ -51,50 +69,78 @@ pub(super) struct Row {
     pub most: f64,
 }
 
-/// The chain of every pair, and the rows that they share.
-pub(super) fn chains(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> (Vec<Chain>, Vec<Row>) {
-    let mut rows: Vec<Row> = Vec::new();
-    let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
-    let chains = pairs
-        .iter()
-        .map(|pair| {
+/// So many joints are in all chains together at most: memory grows with them.
+const MOST_STEPS: usize = 4_000_000;
+
+impl Chains {
+    /// The chain of every pair that is checked; of the others none is asked, and theirs is empty.
+    pub fn new(frames: &Frames, parts: &[Part], pairs: &[Pair]) -> Result<Self> {
+        let ways: Vec<Vec<usize>> = parts.iter().map(|part| way(frames, part.body)).collect();
+        // Both ways end at the base; what they share moves both parts alike.
+        let own = |a: usize, b: usize| {
+            let (up, down) = (&ways[a], &ways[b]);
+            let both = up.iter().rev().zip(down.iter().rev());
+            let shared = both.take_while(|(x, y)| x == y).count();
+            (&up[..up.len() - shared], &down[..down.len() - shared])
+        };
+        let checked = |pair: &Pair| {
+            let own = pair.is_checked().then(|| own(pair.parts.0, pair.parts.1));
+            own.unwrap_or_default()
+        };
+        let lengths = pairs.iter().map(|pair| {
+            let (up, down) = checked(pair);
+            up.len() + down.len()
+        });
+        let starts: Vec<usize> = std::iter::once(0)
+            .chain(lengths.scan(0, |sum, length| {
+                *sum += length;
+                Some(*sum)
+            }))
+            .collect();
+        let count = starts[pairs.len()];
+        if count > MOST_STEPS {
+            return Err(Error::new(
+                ErrorKind::Unsupported,
+                format!("{count} joints between the links of all pairs together"),
+            )
+            .expected(format!("at most {MOST_STEPS}"))
+            .help(
+                "join links by fixed joints, or take collision shapes off those that cannot touch",
+            ));
+        }
+        let mut steps = Vec::with_capacity(count);
+        let mut rows: Vec<Row> = Vec::new();
+        let mut numbers: HashMap<(usize, usize), u32> = HashMap::new();
+        for pair in pairs {
             let (a, b) = pair.parts;
-            let up = way(frames, parts[a].body);
-            let down = way(frames, parts[b].body);
-            // Both end at the base; what they share moves both alike.
-            let shared = up
-                .iter()
-                .rev()
-                .zip(down.iter().rev())
-                .take_while(|(x, y)| x == y)
-                .count();
-            let against = up[..up.len() - shared].iter().map(|joint| (joint, -1.0));
-            let along = down[..down.len() - shared]
-                .iter()
-                .rev()
-                .map(|joint| (joint, 1.0));
+            let (up, down) = checked(pair);
+            let against = up.iter().map(|joint| (*joint, true));
+            let along = down.iter().rev().map(|joint| (*joint, false));
             let mut row = |part: usize, joint: usize| {
                 *numbers.entry((part, joint)).or_insert_with(|| {
                     let most = most(frames, &parts[part], joint);
                     rows.push(Row { part, joint, most });
-                    rows.len() - 1
+                    rows.len() as u32 - 1
                 })
             };
             let endless = matches!(parts[a].geometry, PartGeometry::HalfSpace(_));
-            let steps: Vec<Step> = against
-                .chain(along)
-                .map(|(joint, sign)| Step {
-                    joint: *joint,
-                    sign,
-                    rows: ((!endless).then(|| row(a, *joint)), row(b, *joint)),
-                })
-                .collect();
-            let both = |step: &Step| [step.rows.0, Some(step.rows.1)];
-            let rows = steps.iter().flat_map(both).flatten().collect();
-            Chain { steps, rows }
+            steps.extend(against.chain(along).map(|(joint, is_against)| Step {
+                joint: joint as u32,
+                is_against,
+                rows: ((!endless).then(|| row(a, joint)), row(b, joint)),
+            }));
+        }
+        Ok(Self {
+            steps,
+            starts,
+            rows,
         })
-        .collect();
-    (chains, rows)
+    }
+
+    /// From the first part of a pair to the second.
+    pub fn of(&self, pair: usize) -> &[Step] {
+        &self.steps[self.starts[pair]..self.starts[pair + 1]]
+    }
 }
 
 /// However the joints stand, how far the middle of the ball around a part can be from the axis of a joint.

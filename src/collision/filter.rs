@@ -3,7 +3,7 @@
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f64x8};
 
 use super::CollisionModel;
-use super::displacement::{Chain, Row, Step};
+use super::displacement::{Row, Step};
 use super::frames::{Poses, Stored, V3};
 use super::part::PartGeometry;
 use crate::motion::{LANES, TubeRows};
@@ -68,8 +68,8 @@ impl Batch {
             tolerance: vec![zero; model.frames.joints().len()],
             centers: vec![[zero; 3]; model.parts.len()],
             ends: vec![InRound::never([[zero; 3]; 2]); model.parts.len()],
-            ball_rho: vec![InRound::never(zero); model.rows.len()],
-            capsule_rho: vec![InRound::never(zero); model.rows.len()],
+            ball_rho: vec![InRound::never(zero); model.chains.rows.len()],
+            capsule_rho: vec![InRound::never(zero); model.chains.rows.len()],
             round: 0,
             rounding: model.rounding,
             is_plain: false,
@@ -132,7 +132,7 @@ impl Batch {
             }
         };
         let gap = gap - (model.pairs[pair].padding + self.rounding);
-        let chain = &model.chains[pair];
+        let chain = model.chains.of(pair);
         let girths = if self.is_plain {
             [model.parts[a].core_radius, model.parts[b].core_radius]
         } else {
@@ -144,8 +144,11 @@ impl Batch {
         if above & lanes == lanes {
             return to_array(lower);
         }
-        for row in &chain.rows {
-            self.update_ball_rho(simd, model, *row);
+        for (first, second) in chain.iter().map(Step::rows) {
+            if let Some(row) = first {
+                self.update_ball_rho(simd, model, row);
+            }
+            self.update_ball_rho(simd, model, second);
         }
         let [fall] = self.fall(simd, model, chain, Rho::Ball, girths, [&self.turn]);
         to_array(gap - fall)
@@ -175,9 +178,12 @@ impl Batch {
                 least - (half_space.offset() + capsule.radius)
             }
         };
-        let chain = &model.chains[pair];
-        for row in &chain.rows {
-            self.update_capsule_rho(simd, model, *row);
+        let chain = model.chains.of(pair);
+        for (first, second) in chain.iter().map(Step::rows) {
+            if let Some(row) = first {
+                self.update_capsule_rho(simd, model, row);
+            }
+            self.update_capsule_rho(simd, model, second);
         }
         let girths = if self.is_plain {
             [model.parts[a].girth, model.parts[b].girth]
@@ -195,7 +201,7 @@ impl Batch {
         let (a, b) = model.pairs[pair].parts;
         let girths = [model.parts[a].girth, model.parts[b].girth];
         let turns = [self.turn.as_slice(), &self.tolerance];
-        let chain = &model.chains[pair];
+        let chain = model.chains.of(pair);
         let [fall, rest] = self.fall(simd, model, chain, Rho::Capsule, girths, turns);
         Falls {
             fall: to_array(fall),
@@ -210,7 +216,7 @@ impl Batch {
         &self,
         simd: S,
         model: &CollisionModel,
-        chain: &Chain,
+        chain: &[Step],
         rho: Rho,
         girths: [f64; 2],
         turns: [&[[f64; LANES]]; N],
@@ -218,19 +224,20 @@ impl Batch {
         let zero = f64x8::splat(simd, 0.0);
         // The sum of all by the second; what it changes when those up to a joint are by the first, and the least of that.
         let (mut sum, mut change, mut least) = ([zero; N], [zero; N], [zero; N]);
-        for step in &chain.steps {
-            let is_turning = match model.frames.joints()[step.joint].kind {
+        for step in chain {
+            let is_turning = match model.frames.joints()[step.joint()].kind {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let second = self.rho(simd, model, rho, step.rows.1) + girths[1] * is_turning;
-            let first = match step.rows.0 {
+            let (first, second) = step.rows();
+            let second = self.rho(simd, model, rho, second) + girths[1] * is_turning;
+            let first = match first {
                 Some(row) => self.rho(simd, model, rho, row) + girths[0] * is_turning,
                 // A half-space is endless: no joint is reckoned with it.
                 None => second,
             };
             for i in 0..N {
-                let turn = f64x8::load_array_ref(simd, &turns[i][step.joint]);
+                let turn = f64x8::load_array_ref(simd, &turns[i][step.joint()]);
                 sum[i] += second * turn;
                 change[i] += (first - second) * turn;
                 least[i] = least[i].min(change[i]);
@@ -245,7 +252,7 @@ impl Batch {
     #[inline(always)]
     fn rho<S: Simd>(&self, simd: S, model: &CollisionModel, rho: Rho, row: usize) -> f64x8<S> {
         match rho {
-            Rho::Most => f64x8::splat(simd, model.rows[row].most + self.rounding),
+            Rho::Most => f64x8::splat(simd, model.chains.rows[row].most + self.rounding),
             Rho::Ball => f64x8::load_array_ref(simd, &self.ball_rho[row].value),
             Rho::Capsule => f64x8::load_array_ref(simd, &self.capsule_rho[row].value),
         }
@@ -256,7 +263,7 @@ impl Batch {
     #[inline(always)]
     fn update_ball_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
         if self.ball_rho[row].round != self.round {
-            let Row { part, joint, .. } = model.rows[row];
+            let Row { part, joint, .. } = model.chains.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
                 JointKind::Prismatic => f64x8::splat(simd, 1.0),
@@ -276,7 +283,7 @@ impl Batch {
     #[inline(always)]
     fn update_capsule_rho<S: Simd>(&mut self, simd: S, model: &CollisionModel, row: usize) {
         if self.capsule_rho[row].round != self.round {
-            let Row { part, joint, .. } = model.rows[row];
+            let Row { part, joint, .. } = model.chains.rows[row];
             let joint = &model.frames.joints()[joint];
             let rho = match joint.kind {
                 JointKind::Prismatic => f64x8::splat(simd, 1.0),
@@ -295,7 +302,7 @@ impl Batch {
 
     /// By the capsule around the second part of a pair, of a joint of its chain.
     pub fn second_rho(&self, step: &Step) -> &[f64; LANES] {
-        &self.capsule_rho[step.rows.1].value
+        &self.capsule_rho[step.rows().1].value
     }
 
     #[inline(always)]

@@ -8,22 +8,24 @@ mod configuration;
 mod contacts;
 mod displacement;
 mod filter;
+mod found;
 mod frames;
 mod pairs;
 mod part;
 mod profile;
 mod scene;
 mod search;
+mod side;
 mod verify;
 
 pub use certificate::{Certificate, Evidence};
 pub use certify::{Certification, MinimumClearance, Moment, Prover, Stretch};
 pub use configuration::{Checker, Clearance};
 pub use contacts::PairContacts;
+pub use found::Work;
 pub use pairs::{Pair, PairStatus};
 pub use profile::ProfileInterval;
 pub use scene::{Scene, SceneObject, SceneShape};
-pub use search::Work;
 pub use verify::Verified;
 
 use nalgebra::Isometry3;
@@ -32,7 +34,7 @@ use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::Joints;
 use crate::geometry::Solid;
 use crate::robot::Robot;
-use displacement::{Chain, Row};
+use displacement::Chains;
 use frames::Frames;
 use part::{Part, PartGeometry};
 
@@ -74,9 +76,7 @@ pub struct CollisionModel {
     pairs: Vec<Pair>,
     /// The pairs that are checked.
     checked: Vec<usize>,
-    /// Of every pair.
-    chains: Vec<Chain>,
-    rows: Vec<Row>,
+    chains: Chains,
     /// Of every pair, the number of its first pair of convex shapes; at the end, their number.
     first_convex_pair: Vec<usize>,
     /// What rounding of frames does to a distance at most \[m\].
@@ -92,7 +92,7 @@ impl CollisionModel {
     pub fn new(robot: &Robot, options: &CollisionOptions) -> Result<Self> {
         let here = |e: Error| e.at(format!("robot `{}`", robot.name()));
         robot
-            .require_collision()
+            .require_collision(options.scene.objects().len())
             .map_err(|e| e.because(Reason::NoCollisionGeometry))?;
         let frames = Frames::new(robot);
         let mut parts = options
@@ -124,16 +124,6 @@ impl CollisionModel {
                 parts.push(Part::new(link.name.clone(), link.body, &frame, &solids).map_err(here)?);
             }
         }
-        if parts.len() == scene || parts.len() < 2 {
-            return Err(here(
-                Error::new(
-                    ErrorKind::Infeasible,
-                    "too few links have collision shapes for any to touch",
-                )
-                .because(Reason::NoCollisionGeometry)
-                .help("add <collision> elements to the URDF"),
-            ));
-        }
         let count = parts.len() * (parts.len() - 1) / 2 - scene * scene.saturating_sub(1) / 2;
         if count > MOST_PAIRS {
             return Err(here(
@@ -143,7 +133,7 @@ impl CollisionModel {
             ));
         }
         let pairs = pairs::pairs(robot, &parts, scene, options).map_err(here)?;
-        let (chains, rows) = displacement::chains(&frames, &parts, &pairs);
+        let chains = Chains::new(&frames, &parts, &pairs).map_err(here)?;
         let mut first_convex_pair = vec![0];
         for pair in &pairs {
             let count = |part: usize| match &parts[part].geometry {
@@ -164,7 +154,6 @@ impl CollisionModel {
             pairs,
             checked: Vec::new(),
             chains,
-            rows,
             first_convex_pair,
             rounding,
         };

@@ -104,7 +104,7 @@ pub(super) fn pairs(
             };
         }
     }
-    let mut each = |names: &(String, String), change: &dyn Fn(&mut Pair)| -> Result<()> {
+    let mut each = |names: &(String, String), change: &dyn Fn(&mut Pair) -> Result<()>| {
         for name in [&names.0, &names.1] {
             let known = parts.iter().any(|p| p.name == *name)
                 || robot.links().iter().any(|l| l.name == *name);
@@ -118,21 +118,53 @@ pub(super) fn pairs(
         pairs
             .iter_mut()
             .filter(|p| p.is(&names.0, &names.1))
-            .for_each(change);
-        Ok(())
+            .map(change)
+            .collect::<Result<Vec<()>>>()
+            .map(|changed| changed.len())
     };
+    // What is asked for and cannot be is no wish to be passed over.
+    let refuse = |wish: &str, (a, b): &(String, String), why: &str| {
+        Error::new(ErrorKind::Setting, format!("{wish} {a} and {b}: {why}"))
+    };
+    let without = "they are no two links or objects of which both have shapes and one is a link's";
     for names in &options.left_out {
-        each(names, &|pair| pair.status = PairStatus::LeftOut)?;
-    }
-    for names in &options.kept {
         each(names, &|pair| {
-            if !matches!(pair.status, PairStatus::Rigid { .. }) {
-                pair.status = PairStatus::Checked;
-            }
+            pair.status = PairStatus::LeftOut;
+            Ok(())
         })?;
     }
+    for names in &options.kept {
+        let kept = each(names, &|pair| {
+            if matches!(pair.status, PairStatus::Rigid { .. }) {
+                return Err(refuse(
+                    "to check",
+                    names,
+                    "no joint lies between them, nothing moves them against each other",
+                ));
+            }
+            pair.status = PairStatus::Checked;
+            Ok(())
+        })?;
+        if kept == 0 {
+            return Err(refuse("to check", names, without));
+        }
+    }
     for (names, padding) in &options.pair_padding {
-        each(names, &|pair| pair.padding = *padding)?;
+        let padded = each(names, &|pair| {
+            if !pair.is_checked() {
+                return Err(refuse(
+                    "a padding of",
+                    names,
+                    &format!("the pair is not checked ({})", pair.status),
+                )
+                .help("--keep checks it"));
+            }
+            pair.padding = *padding;
+            Ok(())
+        })?;
+        if padded == 0 {
+            return Err(refuse("a padding of", names, without));
+        }
     }
     if let Some(pair) = pairs
         .iter()

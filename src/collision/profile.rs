@@ -2,7 +2,8 @@
 
 use super::CollisionModel;
 use super::certify::Moment;
-use super::search::{Goal, Search};
+use super::found::Goal;
+use super::search::Search;
 use crate::error::{Error, ErrorKind, Result};
 use crate::motion::Motion;
 

@@ -2,6 +2,7 @@
 
 use super::CollisionModel;
 use super::filter::Batch;
+use super::found::{At, Found, Goal, Leaf, Stretch};
 use super::frames::lane_of;
 use super::part::PartGeometry;
 use crate::geometry::{
@@ -17,66 +18,10 @@ const NARROWEST: f64 = 1e-9;
 const FINEST: f64 = 1e-10;
 
 /// No more intervals are looked at; what is left is undecided.
-const MOST_INTERVALS: usize = 4_000_000;
+const MOST_INTERVALS: usize = 500_000;
 
 /// No more intervals wait for their level to be gone through.
 const WIDEST: usize = 1 << 14;
-
-/// What is looked for.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Goal {
-    /// A proof that every pair stays farther apart than this \[m\].
-    Above(f64),
-    /// The smallest distance, to this accuracy \[m\].
-    Least(f64),
-}
-
-/// A distance, of which pair, when.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct At {
-    pub distance: f64,
-    pub pair: usize,
-    pub time: f64,
-}
-
-/// An interval on which something could be neither proven nor refuted.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Stretch {
-    pub from: f64,
-    pub to: f64,
-    pub pair: usize,
-}
-
-/// An interval with the pairs that are proven on it.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Leaf {
-    pub middle: f64,
-    pub half: f64,
-    pub pairs: Vec<usize>,
-}
-
-/// How much work a search was.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Intervals of time that were looked at, each with the configuration in its middle.
-    pub intervals: usize,
-    /// Pairs of convex shapes whose distance was bounded beyond balls and capsules.
-    pub distances: usize,
-}
-
-/// What a search found.
-#[derive(Debug, Clone)]
-pub(super) struct Found {
-    goal: Goal,
-    /// The least lower bound, over all pairs and times.
-    pub lower: Option<At>,
-    /// The least distance that is taken in the middle of an interval.
-    pub upper: Option<At>,
-    pub undecided: Vec<Stretch>,
-    /// The tree, where it is kept.
-    pub leaves: Option<Vec<Leaf>>,
-    pub work: Work,
-}
 
 /// An interval that is still to be looked at, and which of `open` are its pairs.
 #[derive(Debug, Clone, Copy)]
@@ -195,7 +140,6 @@ impl<'m> Search<'m> {
         found: &mut Found,
     ) {
         let model = self.model;
-        let is_least = matches!(found.goal, Goal::Least(_));
         loop {
             if self.level.nodes.is_empty() {
                 std::mem::swap(&mut self.level, &mut self.next);
@@ -212,7 +156,8 @@ impl<'m> Search<'m> {
             if found.work.intervals > MOST_INTERVALS {
                 for (lane, node) in nodes[..count].iter().enumerate() {
                     let open = self.lanes.iter().position(|l| l >> lane & 1 == 1);
-                    found.give_up(node, open.unwrap_or(model.checked[0]));
+                    let pair = open.unwrap_or(model.checked[0]);
+                    found.give_up((node.middle, node.half), node.lower, pair);
                 }
                 self.lanes.fill(0);
                 continue;
@@ -274,7 +219,7 @@ impl<'m> Search<'m> {
                 }
             }
             for lane in (0..count).rev() {
-                self.split(&nodes[lane], lane, lower[lane], is_least);
+                self.split(&nodes[lane], lane, lower[lane], found);
             }
         }
     }
@@ -436,18 +381,24 @@ impl<'m> Search<'m> {
 
     /// Puts the two halves of a node on the stack, with the pairs that are left of it.
     #[inline(always)]
-    fn split(&mut self, node: &Node, lane: usize, lower: f64, is_least: bool) {
-        if self.left[lane].is_empty() {
+    fn split(&mut self, node: &Node, lane: usize, lower: f64, found: &mut Found) {
+        let Some(first) = self.left[lane].first() else {
+            return;
+        };
+        let half = node.half / 2.0;
+        // No time lies between: what moves by much there has left all numbers.
+        if node.middle + half == node.middle {
+            found.give_up((node.middle, node.half), node.lower, *first);
+            self.left[lane].clear();
             return;
         }
         // The least distance is nearly known when a level has been gone through; only then is it split.
-        let is_by_level = is_least && self.next.nodes.len() < WIDEST;
+        let is_by_level = matches!(found.goal, Goal::Least(_)) && self.next.nodes.len() < WIDEST;
         let stack = if is_by_level {
             &mut self.next
         } else {
             &mut self.level
         };
-        let half = node.half / 2.0;
         for middle in [node.middle + half, node.middle - half] {
             let start = stack.open.len();
             stack.open.extend_from_slice(&self.left[lane]);
@@ -494,94 +445,4 @@ enum Narrowed {
     Open(f64),
     Undecided,
     Refuted,
-}
-
-impl Found {
-    fn new(goal: Goal, keep: bool) -> Self {
-        Self {
-            goal,
-            lower: None,
-            upper: None,
-            undecided: Vec::new(),
-            leaves: keep.then(Vec::new),
-            work: Work::default(),
-        }
-    }
-
-    /// Which of the intervals `lanes` stay open for a pair.
-    #[inline(always)]
-    fn settle(
-        &mut self,
-        lower: &[f64; LANES],
-        lanes: u8,
-        pair: usize,
-        middle: &[f64; LANES],
-        count: usize,
-    ) -> u8 {
-        let bar = self.bar();
-        let mut open = lanes;
-        for (lane, time) in middle.iter().enumerate() {
-            if lanes >> lane & 1 == 1 && lower[lane] > bar {
-                open &= !(1 << lane);
-                self.proven(At {
-                    distance: lower[lane],
-                    pair,
-                    time: *time,
-                });
-                self.keep(lane, count, pair);
-            }
-        }
-        open
-    }
-
-    /// What is proven to stay above this is done with.
-    #[inline(always)]
-    fn bar(&self) -> f64 {
-        match self.goal {
-            Goal::Above(margin) => margin,
-            Goal::Least(accuracy) => self
-                .upper
-                .map_or(f64::INFINITY, |at| at.distance - accuracy),
-        }
-    }
-
-    /// While the least distance is sought: above which distance \[m\] of a pair with this padding nothing is found, and how near its bounds must then
-    /// be.
-    #[inline(always)]
-    fn of_no_use(&self, padding: f64) -> (f64, f64) {
-        match (self.goal, &self.upper) {
-            (Goal::Least(accuracy), Some(best)) => (best.distance + padding, accuracy / 8.0),
-            _ => (f64::INFINITY, 0.0),
-        }
-    }
-
-    #[inline(always)]
-    fn proven(&mut self, at: At) {
-        if self.lower.is_none_or(|least| at.distance < least.distance) {
-            self.lower = Some(at);
-        }
-    }
-
-    /// Notes in the tree that a pair is proven on one of the last `count` intervals.
-    #[inline(always)]
-    fn keep(&mut self, lane: usize, count: usize, pair: usize) {
-        if let Some(leaves) = &mut self.leaves {
-            let start = leaves.len() - count;
-            leaves[start + lane].pairs.push(pair);
-        }
-    }
-
-    /// An interval that is left when enough have been looked at.
-    fn give_up(&mut self, node: &Node, pair: usize) {
-        self.undecided.push(Stretch {
-            from: node.middle - node.half,
-            to: node.middle + node.half,
-            pair,
-        });
-        self.proven(At {
-            distance: node.lower,
-            pair,
-            time: node.middle,
-        });
-    }
 }

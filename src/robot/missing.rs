@@ -5,9 +5,9 @@ use crate::error::{Error, ErrorKind, Result, listed};
 
 impl Robot {
     /// # Errors
-    /// When the collision geometry of a link was not read, or fewer than two bodies have any: what is not known is not
-    /// called free. The message names the links.
-    pub fn require_collision(&self) -> Result<()> {
+    /// When the collision geometry of a link was not read, or the bodies that have any and `objects` around the robot are fewer than two:
+    /// what is not known is not called free. The message names the links.
+    pub fn require_collision(&self, objects: usize) -> Result<()> {
         let here = |e: Error| e.at(format!("robot `{}`", self.name));
         let unread: Vec<&str> = self
             .bodies
@@ -24,7 +24,8 @@ impl Robot {
             ));
         }
         let shaped = self.bodies.iter().filter(|b| !b.collision.is_empty());
-        if shaped.count() < 2 {
+        let shaped = shaped.count();
+        if shaped == 0 || shaped + objects < 2 {
             let without: Vec<&str> = self
                 .bodies
                 .iter()
@@ -35,11 +36,16 @@ impl Robot {
                 Error::new(
                     ErrorKind::Infeasible,
                     format!(
-                        "fewer than two bodies have collision shapes; without are {}",
+                        "{} collision shapes, so nothing can touch; without are {}",
+                        if shaped == 0 {
+                            "no body has"
+                        } else {
+                            "a single body has"
+                        },
                         listed(&without)
                     ),
                 )
-                .help("add <collision> elements to the URDF"),
+                .help("add <collision> elements to the URDF, or give a scene (--scene)"),
             ));
         }
         Ok(())

@@ -15,8 +15,8 @@ mod waves;
 use dense::Dense;
 use robots::carousel;
 use undulate::{
-    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Robot, Scene,
-    SceneObject, SceneShape, Shape, Wave, nalgebra, shipped, stream,
+    Certification, CollisionModel, CollisionOptions, HalfSpace, PairStatus, PeriodGrid, Robot,
+    Scene, SceneObject, SceneShape, Shape, Wave, nalgebra, shipped, stream,
 };
 use waves::random_wave;
 
@@ -249,6 +249,83 @@ fn a_collision_within_a_tolerance_is_told_as_one() {
         panic!("0.2 rad is more than there is between");
     };
     assert!(work.intervals < 1000, "{work:?}");
+}
+
+#[test]
+fn one_link_with_a_shape_is_kept_clear_of_a_scene() {
+    let urdf = r#"<robot name="lamp"><link name="base"/><link name="arm">
+        <collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>"#;
+    let robot = Robot::from_urdf(urdf).unwrap();
+    let alone = CollisionModel::new(&robot, &CollisionOptions::default());
+    let error = alone.err().unwrap().to_string();
+    assert!(
+        error.contains("a single body has collision shapes"),
+        "{error}"
+    );
+    let table = HalfSpace::new(nalgebra::Vector3::z(), -0.5).unwrap();
+    let options = CollisionOptions {
+        scene: Scene::new(vec![SceneObject {
+            name: "table".to_owned(),
+            shape: SceneShape::HalfSpace(table),
+        }])
+        .unwrap(),
+        ..CollisionOptions::default()
+    };
+    let model = CollisionModel::new(&robot, &options).unwrap();
+    // Down to sin 0.2 below its axis.
+    let weights = nalgebra::DMatrix::from_element(1, 1, undulate::num_complex::Complex::from(0.1));
+    let offsets = nalgebra::DVector::zeros(1);
+    let wave = Wave::new(robot.joints().clone(), 2.0, offsets, weights).unwrap();
+    let found = model.minimum_clearance(&wave, 1e-6).unwrap();
+    assert!(
+        (found.at.distance - (0.4 - f64::sin(0.2))).abs() < 1e-6,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn wishes_of_pairs_that_cannot_be_are_refused() {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let names = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+    let base = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+    let of = |is: fn(&PairStatus) -> bool| {
+        let pair = base.pairs().iter().find(|p| is(&p.status));
+        pair.expect("the arm has such a pair").names.clone()
+    };
+    let rigid = of(|status| matches!(status, PairStatus::Rigid { .. }));
+    let adjacent = of(|status| *status == PairStatus::Adjacent);
+    let refused = |options: CollisionOptions, why: &str| {
+        let error = CollisionModel::new(&robot, &options).err().unwrap();
+        assert!(error.to_string().contains(why), "{error}");
+    };
+    let kept = |pair: &(String, String)| CollisionOptions {
+        kept: vec![pair.clone()],
+        ..CollisionOptions::default()
+    };
+    let padded = |pair: &(String, String)| CollisionOptions {
+        pair_padding: vec![(pair.clone(), 0.01)],
+        ..CollisionOptions::default()
+    };
+    refused(kept(&rigid), "no joint lies between them");
+    refused(padded(&adjacent), "the pair is not checked (adjacent)");
+    refused(kept(&names("hand", "hand")), "no two links");
+    // Checked by choice, it takes a padding.
+    let both = CollisionOptions {
+        kept: vec![adjacent.clone()],
+        ..padded(&adjacent)
+    };
+    assert!(CollisionModel::new(&robot, &both).is_ok());
+}
+
+#[test]
+fn no_speed_keeps_a_search_going_for_ever() {
+    let model = CollisionModel::new(&carousel(0.1), &CollisionOptions::default()).unwrap();
+    for size in [1e9, 1e50] {
+        let found = model.minimum_clearance(&swing(size, 1.0), 1e-4).unwrap();
+        assert!(found.lower < found.at.distance, "{found:?}");
+        assert!(found.work.intervals <= 600_000, "{:?}", found.work);
+    }
 }
 
 #[test]

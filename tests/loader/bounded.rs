@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use undulate::Robot;
+use undulate::{CollisionModel, CollisionOptions, Robot};
 
 /// Names the file that the child loads.
 const FILE: &str = "UNDULATE_LOADER_CHILD";
@@ -22,6 +22,8 @@ pub struct Told {
     pub refused: Option<String>,
     /// Why collision and dynamics are refused, where the file was loaded.
     pub missing: [String; 2],
+    /// Why there is no collision model, where the file was loaded.
+    pub uncheckable: String,
     pub links: usize,
     pub shapes: usize,
     /// Largest resident memory \[kB\]; 0 where the system does not tell.
@@ -42,8 +44,10 @@ fn child() {
             let missing = |result: undulate::Result<()>| {
                 result.err().map_or_else(String::new, |e| e.to_string())
             };
-            line("collision", &missing(robot.require_collision()));
+            line("collision", &missing(robot.require_collision(0)));
             line("dynamics", &missing(robot.require_dynamics()));
+            let model = CollisionModel::new(&robot, &CollisionOptions::default());
+            line("uncheckable", &missing(model.map(|_| ())));
             line("links", &robot.links().len().to_string());
             let shapes: usize = robot.bodies().iter().map(|b| b.collision.len()).sum();
             line("shapes", &shapes.to_string());
@@ -93,6 +97,7 @@ pub fn load(file: &Path) -> Told {
     let told = Told {
         refused: get("refused"),
         missing: ["collision", "dynamics"].map(|key| get(key).unwrap_or_default()),
+        uncheckable: get("uncheckable").unwrap_or_default(),
         links: count("links"),
         shapes: count("shapes"),
         memory: count("memory") as u64,

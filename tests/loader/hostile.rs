@@ -617,6 +617,17 @@ fn robots() -> Vec<(&'static str, Vec<u8>, Must)> {
             .replacen("revolute", "continuous", 1),
             Load(20_000),
         ),
+        // The longest that can be checked against itself, and one that cannot: 300 links have 4.5 million joints between all pairs.
+        (
+            "shaped_snake",
+            chain(288, shape, |_| String::new()),
+            Load(288),
+        ),
+        (
+            "long_shaped_snake",
+            chain(300, shape, |_| String::new()),
+            Load(300),
+        ),
         (
             "star",
             more(
@@ -693,6 +704,14 @@ fn whatever_is_wrong_is_told_within_bounds_of_memory() {
             Still(why) => told.refused.is_none() && told.missing[1].contains(why),
         };
         assert!(fits, "{name}: {told:?}");
+        assert!(
+            name != "shaped_snake" || told.uncheckable.is_empty(),
+            "{told:?}"
+        );
+        assert!(
+            name != "long_shaped_snake" || told.uncheckable.contains("at most 4000000"),
+            "{told:?}"
+        );
         // The second shape of a geometry is not read, for it was not looked at.
         assert!(name != "two_shapes" || told.shapes == 1, "{told:?}");
         // Told as the file's, wherever in it the fault is.

@@ -58,7 +58,7 @@ fn every_real_robot_loads_as_far_as_its_file_allows() {
             "{name}: tip {}, reach {:.3} m, {:?}, {:?}",
             robot.tip().name,
             robot.reach(robot.tip()),
-            robot.require_collision().err(),
+            robot.require_collision(0).err(),
             robot.require_dynamics().err()
         );
         assert_eq!(robot.joints().len(), dof, "{name}: joints");
@@ -67,7 +67,7 @@ fn every_real_robot_loads_as_far_as_its_file_allows() {
         let own = own.iter().filter(|j| robot.is_commanded(j)).count();
         assert_eq!(own, chain, "{name}: the tip's chain");
         assert_eq!(
-            robot.require_collision().is_ok(),
+            robot.require_collision(0).is_ok(),
             *collision,
             "{name}: collision"
         );
