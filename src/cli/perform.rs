@@ -9,7 +9,6 @@ use super::demands::{Apart, Demands};
 use super::export::Format;
 use super::moves::posture;
 use super::robot::{RobotArguments, tell_notes};
-use super::verdict::codes;
 use super::{Outcome, output, read_wave};
 use crate::collision::CollisionModel;
 use crate::error::{Error, ErrorKind, Result};
@@ -56,14 +55,9 @@ pub(super) struct Arguments {
         default_value_t = 1.0
     )]
     ease: f64,
-    /// At least so many waypoints a second.
-    #[arg(
-        long,
-        value_name = "HERTZ",
-        allow_negative_numbers = true,
-        default_value_t = 100.0
-    )]
-    rate: f64,
+    /// At least so many waypoints a second [default: 100, or twice, four or eight times as many where it takes that to keep the limits].
+    #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
+    rate: Option<f64>,
     /// The move: .csv, .json (trajectory_msgs/JointTrajectory) or .mcap.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
@@ -104,20 +98,33 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let performance = passages.perform(&waves, &rest, arguments.duration)?;
     let sequence = performance.sequence;
     // What a controller makes of the waypoints is what is to pass.
-    let waypoints = at_rest(&Waypoints::sampled(&sequence, arguments.rate)?, &rest)?;
-    let spline = Spline::new(&waypoints, StartPosture::Given)?;
-    let verdict = Verdict::with(&robot, &mut collision.prover(), &spline, &options)?;
-    let reasons = verdict.reasons();
-    if !reasons.is_empty() {
+    let through = |rate: f64| {
+        let waypoints = at_rest(&Waypoints::sampled(&sequence, rate)?, &rest)?;
+        let spline = Spline::new(&waypoints, StartPosture::Given)?;
+        let verdict = Verdict::with(&robot, &mut collision.prover(), &spline, &options)?;
+        Ok::<_, Error>((waypoints, verdict))
+    };
+    let rates = match arguments.rate {
+        Some(rate) => vec![rate],
+        None => vec![100.0, 200.0, 400.0, 800.0],
+    };
+    let (mut waypoints, mut verdict) = through(rates[0])?;
+    for rate in &rates[1..] {
+        if verdict.passes() {
+            break;
+        }
+        (waypoints, verdict) = through(*rate)?;
+    }
+    if let Some(reason) = verdict.reasons().first() {
         return Err(Error::new(
             ErrorKind::Infeasible,
             format!(
                 "through {} waypoints it does not pass: {}",
                 waypoints.len(),
-                codes(&reasons).join(", ")
+                verdict.faults().join("; ")
             ),
         )
-        .because(reasons[0])
+        .because(*reason)
         .expected("waypoints near enough to follow the motion")
         .help("ask for a higher --rate"));
     }

@@ -16,6 +16,8 @@ pub use mend::{Change, Means, Mended, mend};
 pub use passage::{Passages, Performance};
 pub use player::{Plan, Planner, Player};
 
+use std::collections::BTreeMap;
+
 use crate::collision::{Certification, CollisionModel, MinimumClearance, Prover};
 use crate::error::{Reason, Result};
 use crate::motion::Motion;
@@ -127,6 +129,63 @@ impl Verdict {
         reasons.sort_unstable();
         reasons.dedup();
         reasons
+    }
+
+    /// What does not pass, where and by how much, in words: the worst of each kind.
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults: Vec<(Reason, f64, String)> = Vec::new();
+        let of_limits = self.broken().filter_map(|limit| {
+            let reached = match limit.worst_time() == limit.lower_time {
+                true => limit.range.lower,
+                false => limit.range.upper,
+            };
+            let what = format!(
+                "{} reaches {reached:.4} at {:.3} s, limit {:.4} .. {:.4}",
+                limit.joint,
+                limit.worst_time(),
+                limit.limit.lower,
+                limit.limit.upper
+            );
+            Some((limit.reason()?, limit.excess(), what))
+        });
+        faults.extend(of_limits);
+        let of_efforts = self.efforts.iter().flatten().filter_map(|effort| {
+            let what = format!(
+                "{} takes {:.2} .. {:.2} at {:.3} s, limit {:.2}",
+                effort.joint,
+                effort.range.lower,
+                effort.range.upper,
+                effort.worst_time(),
+                effort.limit?
+            );
+            Some((effort.reason()?, effort.excess(), what))
+        });
+        faults.extend(of_efforts);
+        let mut worst: BTreeMap<Reason, (f64, String)> = BTreeMap::new();
+        for (reason, excess, what) in faults {
+            let known = worst.entry(reason).or_default();
+            if known.1.is_empty() || excess > known.0 {
+                *known = (excess, what);
+            }
+        }
+        let told = worst.into_iter();
+        let mut told: Vec<String> = told.map(|(r, (_, what))| format!("{r}: {what}")).collect();
+        match &self.collision {
+            Some(Certification::Collides { witness, .. }) => told.push(format!(
+                "{} and {} are {:.4} m apart at {:.3} s",
+                witness.pair.0, witness.pair.1, witness.distance, witness.time
+            )),
+            Some(Certification::Undecided { stretches, .. }) => {
+                told.extend(stretches.first().map(|stretch| {
+                    format!(
+                        "undecided: {} and {} from {:.4} to {:.4} s",
+                        stretch.pair.0, stretch.pair.1, stretch.from, stretch.to
+                    )
+                }));
+            }
+            _ => {}
+        }
+        told
     }
 
     /// Whether no limit is broken and nothing touches, for certain.

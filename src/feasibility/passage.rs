@@ -109,8 +109,13 @@ impl<'a, 'm> Passages<'a, 'm> {
         let Some(mut wave) = waves.first().copied() else {
             return Err(Error::new(ErrorKind::Shape, "no wave").expected("one at least"));
         };
-        for wave in waves {
-            self.require(*wave, "the wave")?;
+        for (number, wave) in waves.iter().enumerate() {
+            let what = match waves.len() {
+                1 => "the wave".to_owned(),
+                _ => format!("wave number {}", number + 1),
+            };
+            self.require(*wave, &what)
+                .map_err(|e| e.help("mend it (`undulate mend`) or sample another"))?;
         }
         let still = self.posture(rest)?;
         let (raise, mut from) = self.enter(&still, wave)?;
@@ -159,10 +164,10 @@ impl<'a, 'm> Passages<'a, 'm> {
         let Some(first) = reasons.first() else {
             return Ok(verdict);
         };
-        let codes: Vec<&str> = reasons.iter().map(|r| r.code()).collect();
+        let faults = verdict.faults().join("; ");
         Err(Error::new(
             ErrorKind::Infeasible,
-            format!("{what} does not pass: {}", codes.join(", ")),
+            format!("{what} does not pass: {faults}"),
         )
         .because(*first)
         .expected("a motion within limits that is proven clear")

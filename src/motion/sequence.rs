@@ -66,11 +66,24 @@ impl Leg {
                 from,
                 duration,
             } => {
-                let found = wave.extremes_within(joint, derivative, *from, from + duration);
+                // What holds for the whole wave holds for a part of it: of two enclosures of the same curve neither may be the wider, lest a wave
+                // that is just within a limit be beyond it in here.
+                let whole = wave.extremes(joint, derivative);
+                let part = if *duration < wave.period() {
+                    let part = wave.extremes_within(joint, derivative, *from, from + duration);
+                    Extremes {
+                        range: part.range.intersect(whole.range),
+                        ..part
+                    }
+                } else {
+                    whole
+                };
+                // The first time that it is there since the wave was entered.
+                let since = |t: f64| (t - from).rem_euclid(wave.period()).min(*duration);
                 Extremes {
-                    lower_time: found.lower_time - from,
-                    upper_time: found.upper_time - from,
-                    ..found
+                    lower_time: since(part.lower_time),
+                    upper_time: since(part.upper_time),
+                    ..part
                 }
             }
         }
