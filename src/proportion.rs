@@ -25,19 +25,30 @@ pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> (f64, f6
         "a confidence of {confidence}"
     );
     let tail = 0.5 * (1.0 - confidence);
+    (
+        lower_bound(successes, trials, tail),
+        upper_bound(successes, trials, tail),
+    )
+}
+
+/// The probability at which so many successes or more have a chance of `tail`; 0 without successes.
+pub(crate) fn lower_bound(successes: u64, trials: u64, tail: f64) -> f64 {
+    if successes == 0 {
+        return 0.0;
+    }
     let (k, n) = (successes as f64, trials as f64);
     // P(X >= k | p) is the incomplete beta function I_p(k, n - k + 1), increasing in p.
-    let lower = if successes == 0 {
-        0.0
-    } else {
-        crossing(|p| incomplete_beta(p, k, n - k + 1.0) < tail)
-    };
-    let upper = if successes == trials {
-        1.0
-    } else {
-        crossing(|p| incomplete_beta(p, k + 1.0, n - k) < 1.0 - tail)
-    };
-    (lower, upper)
+    crossing(|p| incomplete_beta(p, k, n - k + 1.0) < tail)
+}
+
+/// The probability at which so many successes or fewer have a chance of `tail`; 1 without failures.
+pub(crate) fn upper_bound(successes: u64, trials: u64, tail: f64) -> f64 {
+    if successes == trials {
+        return 1.0;
+    }
+    let (k, n) = (successes as f64, trials as f64);
+    // By symmetry and not as 1 - I_p(k + 1, n - k), which knows no tail below rounding.
+    crossing(|p| incomplete_beta(1.0 - p, n - k, k + 1.0) > tail)
 }
 
 /// Where `is_below` ceases to hold between 0 and 1, by bisection until neighbouring numbers.
