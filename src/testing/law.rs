@@ -9,12 +9,18 @@ pub(super) const MISS: f64 = 0.01;
 /// What is left of a Poisson law once this share of it has been summed.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// Halvings of an interval: far more digits than a threshold needs.
-const HALVINGS: usize = 44;
+/// To this share of itself a number is known.
+const PRECISION: f64 = 1e-13;
+
+/// Halvings of an interval about a number that is 0.
+const HALVINGS: usize = 200;
 
 /// Where `is_below` ceases to hold between `low` and `high`.
 pub(super) fn crossing(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
+        if high - low <= PRECISION * high.abs().max(low.abs()) {
+            break;
+        }
         let middle = 0.5 * (low + high);
         if is_below(middle) {
             low = middle;

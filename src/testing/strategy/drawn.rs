@@ -37,7 +37,7 @@ use crate::primitive::FourierMovementPrimitive;
 /// assert_eq!(wave.moving().len(), 1);
 /// # Ok::<(), undulate::Error>(())
 /// ```
-pub fn waves_of(primitive: &FourierMovementPrimitive) -> impl Strategy<Value = DrawnWave> {
+pub fn waves_of(primitive: &FourierMovementPrimitive) -> impl Strategy<Value = DrawnWave> + use<> {
     let primitive = Arc::new(primitive.clone());
     let chart = primitive.chart();
     // Waves of cycles that differ are spread over harmonics of their ring, none of which means anything alone.

@@ -1,5 +1,8 @@
 //! Texts that are no longer what they were.
 
+use std::fmt;
+use std::ops::Deref;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -42,7 +45,38 @@ const ODDITIES: [&str; 14] = [
 const OPENINGS: [&str; 7] = ["[", "{", "(", "<a>", "[[", "{\"a\":", "- "];
 
 /// As deep as parsers that call themselves do not go.
-const DEPTH: usize = 20_000;
+const DEEPEST: usize = 50_000;
+
+/// Of a text that is longer, this many characters from either end are printed.
+const PRINTED: usize = 1000;
+
+/// A text, or bytes, to which something has happened. It prints what that was, and of long texts both ends.
+#[derive(Clone)]
+pub struct Hostile<T> {
+    value: T,
+    damages: Vec<Damage>,
+}
+
+impl<T: Deref> Deref for Hostile<T> {
+    type Target = T::Target;
+    fn deref(&self) -> &T::Target {
+        &self.value
+    }
+}
+
+impl<T: fmt::Debug> fmt::Debug for Hostile<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text: Vec<char> = format!("{:?}", self.value).chars().collect();
+        let from = |range: &[char]| range.iter().collect::<String>();
+        write!(f, "{:?} give ", self.damages)?;
+        if text.len() <= 2 * PRINTED {
+            return f.write_str(&from(&text));
+        }
+        let (head, rest) = text.split_at(PRINTED);
+        let (middle, tail) = rest.split_at(rest.len() - PRINTED);
+        write!(f, "{} ({} more) {}", from(head), middle.len(), from(tail))
+    }
+}
 
 /// One thing that happens to a text.
 #[derive(Debug, Clone)]
@@ -52,7 +86,8 @@ enum Damage {
     LineGone(Index),
     Number(Index, usize),
     Odd(Index, usize),
-    Nested(Index, usize),
+    /// So many times.
+    Nested(Index, usize, usize),
 }
 
 impl Damage {
@@ -87,8 +122,8 @@ impl Damage {
                 }
             }
             Self::Odd(at, which) => text.insert_str(place(at, text), ODDITIES[*which]),
-            Self::Nested(at, which) => {
-                text.insert_str(place(at, text), &OPENINGS[*which].repeat(DEPTH));
+            Self::Nested(at, which, times) => {
+                text.insert_str(place(at, text), &OPENINGS[*which].repeat(*times));
             }
         }
     }
@@ -115,8 +150,8 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Texts with one to three damages: cut off, a line twice or gone, a number replaced (by nothing, by nan, by 1e999, by a count that no memory holds), an odd
-/// character put somewhere, or twenty thousand openings of something. What comes of it may be valid still. They shrink to fewer damages, of the kinds
-/// that come first here, and as the text does.
+/// character put somewhere, or up to fifty thousand openings of something. What comes of it may be valid still. They shrink to fewer damages, of the kinds
+/// that come first here, to fewer openings, and as the text does.
 ///
 /// ```
 /// use proptest::prelude::*;
@@ -129,21 +164,24 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
 ///     let _ = FourierMovementPrimitive::from_json(&text);
 /// });
 /// ```
-pub fn hostile(text: impl Strategy<Value = String>) -> impl Strategy<Value = String> {
-    let damage = prop_oneof![
-        any::<Index>().prop_map(Damage::Truncated),
-        any::<Index>().prop_map(Damage::LineTwice),
-        any::<Index>().prop_map(Damage::LineGone),
-        (any::<Index>(), 0..NUMBERS.len()).prop_map(|(at, which)| Damage::Number(at, which)),
-        (any::<Index>(), 0..ODDITIES.len()).prop_map(|(at, which)| Damage::Odd(at, which)),
-        (any::<Index>(), 0..OPENINGS.len()).prop_map(|(at, which)| Damage::Nested(at, which)),
-    ];
-    (text, vec(damage, 1..=3)).prop_map(|(mut text, damages)| {
-        for damage in damages {
-            damage.apply(&mut text);
-        }
-        text
+pub fn hostile(text: impl Strategy<Value = String>) -> impl Strategy<Value = Hostile<String>> {
+    (text, vec(damage(), 1..=3)).prop_map(|(mut value, damages)| {
+        damages.iter().for_each(|damage| damage.apply(&mut value));
+        Hostile { value, damages }
     })
+}
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let at = any::<Index>;
+    prop_oneof![
+        at().prop_map(Damage::Truncated),
+        at().prop_map(Damage::LineTwice),
+        at().prop_map(Damage::LineGone),
+        (at(), 0..NUMBERS.len()).prop_map(|(at, which)| Damage::Number(at, which)),
+        (at(), 0..ODDITIES.len()).prop_map(|(at, which)| Damage::Odd(at, which)),
+        (at(), 0..OPENINGS.len(), 1..=DEEPEST)
+            .prop_map(|(at, which, times)| Damage::Nested(at, which, times)),
+    ]
 }
 
 /// The texts of [`hostile`] as bytes, half of them with up to four bytes that are replaced, so that most of these are no UTF-8: for what reads
@@ -159,17 +197,20 @@ pub fn hostile(text: impl Strategy<Value = String>) -> impl Strategy<Value = Str
 ///     let _ = Recording::from_csv("hostile.csv", &bytes, &CsvOptions::default());
 /// });
 /// ```
-pub fn hostile_bytes(text: impl Strategy<Value = String>) -> impl Strategy<Value = Vec<u8>> {
-    let replaced = prop_oneof![Just(Vec::new()), vec((any::<Index>(), any::<u8>()), 1..=4),];
+pub fn hostile_bytes(
+    text: impl Strategy<Value = String>,
+) -> impl Strategy<Value = Hostile<Vec<u8>>> {
+    let replaced = prop_oneof![Just(Vec::new()), vec((any::<Index>(), any::<u8>()), 1..=4)];
     (hostile(text), replaced).prop_map(|(text, replaced)| {
-        let mut bytes = text.into_bytes();
+        let mut value = text.value.into_bytes();
         for (at, byte) in replaced {
-            if !bytes.is_empty() {
-                let i = at.index(bytes.len());
-                bytes[i] = byte;
+            if !value.is_empty() {
+                let i = at.index(value.len());
+                value[i] = byte;
             }
         }
-        bytes
+        let damages = text.damages;
+        Hostile { value, damages }
     })
 }
 

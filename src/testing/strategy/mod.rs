@@ -27,7 +27,7 @@ pub use covariance::{covariances, factors};
 pub use demonstration::demonstrations;
 pub use drawn::{DrawnWave, waves_of};
 pub use gaussian::gaussians;
-pub use hostile::{hostile, hostile_bytes};
+pub use hostile::{Hostile, hostile, hostile_bytes};
 #[cfg(feature = "robot")]
 pub use moves::{Format, moves, waypoints};
 pub use observation::observations;

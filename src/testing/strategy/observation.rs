@@ -33,7 +33,7 @@ use crate::primitive::{FourierMovementPrimitive, Observation};
 pub fn observations(
     primitive: &FourierMovementPrimitive,
     count: RangeInclusive<usize>,
-) -> impl Strategy<Value = Vec<Observation>> {
+) -> impl Strategy<Value = Vec<Observation>> + use<> {
     require_counts("count", &count, 0);
     let rank = primitive.gaussian().rank();
     assert!(

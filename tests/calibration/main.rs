@@ -4,16 +4,17 @@
 //! Each rate is measured in 2000 runs of fixed seeds and judged by the exact binomial bound, at one false alarm in a million. That this is
 //! strict enough is shown on assertions whose threshold is that of another level.
 
-use nalgebra::{DMatrix, DVector, dmatrix, dvector};
+mod cases;
+
+use cases::{CASES, Case, failures, numbers};
+use nalgebra::{DVector, dvector};
 use proptest::test_runner::Config;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
+use undulate::stream;
 use undulate::testing::{
-    Alarm, Family, Seed, bounded_mean, circular_mean, circular_spread, covariance,
-    demonstrate_below, distribution, energy, gaussian, independence, mean, quantile, refute_above,
-    retest,
+    Alarm, Family, Seed, demonstrate_below, distribution, energy, refute_above, retest,
 };
-use undulate::{Gaussian, stream};
 
 const RUNS: u64 = 2000;
 /// Of false alarms, large enough to be measured.
@@ -24,202 +25,6 @@ const MISS: f64 = 0.01;
 const DOUBT: f64 = 1e-6;
 
 type Outcome = Result<(), Alarm>;
-
-/// An assertion, and samples for it that are off by some discrepancy, in the terms in which it states its power.
-struct Case {
-    name: &'static str,
-    /// What the assertion would call no discrepancy.
-    none: f64,
-    /// Whether its rate of false alarms is what is asked, or only bounded by it.
-    is_exact: bool,
-    /// Whether its power is what it states, or no less than that.
-    is_sharp: bool,
-    /// A discrepancy that is noticed in any case.
-    gross: f64,
-    check: fn(&mut ChaCha8Rng, f64, f64) -> Outcome,
-}
-
-const CASES: [Case; 11] = [
-    Case {
-        name: "mean",
-        none: 0.0,
-        is_exact: true,
-        is_sharp: true,
-        gross: 9.0,
-        check: |rng, off, level| {
-            // In standard deviations along the first column of the factor.
-            let samples = draws(&plane(), 60, rng, |x, factor| x + factor.column(0) * off);
-            mean(&samples, plane().mean(), level)
-        },
-    },
-    Case {
-        name: "covariance",
-        none: 1.0,
-        is_exact: true,
-        is_sharp: true,
-        gross: 8.0,
-        check: |rng, off, level| {
-            // A ratio of variances along the first axis that is tested.
-            let cholesky = plane().covariance().cholesky().unwrap().l();
-            let samples = draws(&plane(), 100, rng, |x, _| widened(&x, &cholesky, off));
-            covariance(&samples, &plane().covariance(), level)
-        },
-    },
-    Case {
-        name: "gaussian, variance",
-        none: 1.0,
-        is_exact: true,
-        is_sharp: true,
-        gross: 2.5,
-        check: |rng, off, level| {
-            let samples = draws(&plane(), 100, rng, |x, factor| widened(&x, factor, off));
-            gaussian(&samples, &plane(), level)
-        },
-    },
-    Case {
-        name: "gaussian, mean",
-        none: 0.0,
-        is_exact: true,
-        is_sharp: true,
-        gross: 9.0,
-        check: |rng, off, level| {
-            let samples = draws(&plane(), 101, rng, |x, factor| x + factor.column(0) * off);
-            gaussian(&samples, &plane(), level)
-        },
-    },
-    Case {
-        name: "distribution",
-        none: 0.0,
-        is_exact: true,
-        is_sharp: false,
-        gross: 0.9,
-        check: |rng, off, level| {
-            // No sample below `off`.
-            let samples = numbers(200, rng, |u| off + (1.0 - off) * u);
-            distribution(&samples, |x| x.clamp(0.0, 1.0), level)
-        },
-    },
-    Case {
-        name: "quantile",
-        none: 0.0,
-        is_exact: true,
-        is_sharp: true,
-        gross: 0.6,
-        check: |rng, off, level| {
-            let samples = numbers(400, rng, |u| u * 0.9 / (0.9 - off));
-            quantile(&samples, 0.9, 0.9, level)
-        },
-    },
-    Case {
-        name: "bounded mean",
-        none: 0.0,
-        is_exact: false,
-        is_sharp: false,
-        gross: 0.6,
-        check: |rng, off, level| {
-            let samples = numbers(200, rng, |u| f64::from(u8::from(u < 0.3 + off)));
-            bounded_mean(&samples, (0.0, 1.0), 0.3, level)
-        },
-    },
-    Case {
-        name: "circular mean",
-        none: 0.0,
-        is_exact: false,
-        is_sharp: false,
-        gross: 1.5,
-        check: |rng, off, level| {
-            let angles: Vec<f64> = normals(200, rng).map(|z| 7.0 + off + 0.4 * z).collect();
-            circular_mean(&angles, 7.0, resultant(0.4), level)
-        },
-    },
-    Case {
-        name: "circular spread",
-        none: 0.0,
-        is_exact: false,
-        is_sharp: false,
-        gross: 0.9,
-        check: |rng, off, level| {
-            let deviation = (-2.0 * (resultant(0.4) - off).ln()).sqrt();
-            let angles: Vec<f64> = normals(200, rng).map(|z| 7.0 + deviation * z).collect();
-            circular_spread(&angles, 7.0, resultant(0.4), level)
-        },
-    },
-    Case {
-        name: "independence",
-        none: 0.0,
-        is_exact: false,
-        is_sharp: false,
-        gross: 0.95,
-        check: |rng, off, level| {
-            // Of normal numbers tau is 2 / pi asin(correlation).
-            let correlation = (off * std::f64::consts::FRAC_PI_2).sin();
-            let rest = (1.0 - correlation * correlation).sqrt();
-            let x: Vec<f64> = normals(100, rng).collect();
-            let noise = normals(100, rng).collect::<Vec<f64>>();
-            let y: Vec<f64> = x
-                .iter()
-                .zip(noise)
-                .map(|(x, e)| correlation * x + rest * e)
-                .collect();
-            independence(&x, &y, level)
-        },
-    },
-    Case {
-        name: "probability above",
-        none: 0.2,
-        is_exact: true,
-        is_sharp: true,
-        gross: 0.5,
-        check: |rng, off, level| {
-            let failures = failures(500, 0.2 + off, rng);
-            refute_above(failures, 500, 0.2, level)
-        },
-    },
-];
-
-/// Correlated; the columns of its factor are its axes.
-fn plane() -> Gaussian {
-    Gaussian::new(dvector![1.0, -2.0], dmatrix![0.4, -0.15; 0.3, 0.2]).unwrap()
-}
-
-fn draws(
-    gaussian: &Gaussian,
-    count: usize,
-    rng: &mut ChaCha8Rng,
-    off: impl Fn(DVector<f64>, &DMatrix<f64>) -> DVector<f64>,
-) -> Vec<DVector<f64>> {
-    let factor = gaussian.factor();
-    (0..count)
-        .map(|_| off(gaussian.sample(rng), &factor))
-        .collect()
-}
-
-/// The draw with the variance of its first latent number larger by this share.
-fn widened(x: &DVector<f64>, factor: &DMatrix<f64>, by: f64) -> DVector<f64> {
-    let inverse = factor.clone().try_inverse().unwrap();
-    let z = inverse.row(0).dot(&(x - plane().mean()).transpose());
-    x + factor.column(0) * (z * ((1.0 + by).sqrt() - 1.0))
-}
-
-fn numbers(count: usize, rng: &mut ChaCha8Rng, of: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..count).map(|_| of(rng.random())).collect()
-}
-
-fn normals(count: usize, rng: &mut ChaCha8Rng) -> impl Iterator<Item = f64> {
-    let line = Gaussian::new(dvector![0.0], dmatrix![1.0]).unwrap();
-    (0..count).map(move |_| line.sample(rng)[0])
-}
-
-fn failures(trials: u64, probability: f64, rng: &mut ChaCha8Rng) -> u64 {
-    (0..trials)
-        .filter(|_| rng.random::<f64>() < probability)
-        .count() as u64
-}
-
-/// Of a normal law of this standard deviation, wrapped.
-fn resultant(deviation: f64) -> f64 {
-    (-deviation * deviation / 2.0).exp()
-}
 
 fn alarms(seed: u64, run: impl Fn(&mut ChaCha8Rng) -> Outcome) -> u64 {
     (0..RUNS)
