@@ -5,6 +5,17 @@ use std::fmt;
 use super::Seed;
 
 /// Why samples are not believed to be what they should be. Its text says all of it.
+///
+/// ```
+/// use undulate::testing::{Seed, refute_above};
+///
+/// let alarm = refute_above(30, 300, 0.01, 1e-6).unwrap_err().of(Seed(7));
+/// assert_eq!(
+///     alarm.to_string(),
+///     "lower bound of a probability: 0.036844 is outside 0.000000 .. 0.010000 with N = 300, seed 7; \
+///      with 99 % power: a probability of 0.0832"
+/// );
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alarm {
     /// What is off, such as `mean` or `variance`.

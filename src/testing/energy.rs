@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// What it is certain to catch is an energy distance of the distributions, by McDiarmid's inequality for the samples and its twin for
 /// deals (El-Yaniv and Pechyony, JAIR 35, 2009), from the mean distances and the diameter that the samples have. That is a safe
-/// number, often ten times as large as what is caught nearly always.
+/// number: distances a tenth as large are nearly always caught.
 ///
 /// ```
 /// use nalgebra::{DVector, dvector};

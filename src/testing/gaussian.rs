@@ -7,7 +7,7 @@ use super::alarm::{Alarm, Power};
 use super::argument::{require_probability, require_samples};
 use super::covariance::Variances;
 use super::distribution;
-use super::law::{MISS, chi_squared, chi_squared_below, chi_squared_noncentrality};
+use super::law::{MISS, chi_squared, chi_squared_noncentrality};
 use crate::primitive::Gaussian;
 
 /// Singular values of a factor below this share of the largest are directions without variance.
@@ -156,7 +156,8 @@ fn succession(white: &[DVector<f64>], false_alarm: f64) -> Result<(), Alarm> {
     let bounds = chi_squared(freedom, false_alarm / 4.0);
     let power = || Power {
         of: "a correlation of successive draws of",
-        smallest: bounds.1 / chi_squared_below(freedom, MISS) - 1.0,
+        // Correlation takes from one of the two what it gives to the other; the one that is less is noticed first.
+        smallest: 1.0 - bounds.0 / chi_squared(freedom, MISS).1,
     };
     let (mut sums, mut differences) = (0.0, 0.0);
     for pair in pairs {

@@ -10,7 +10,7 @@ pub(super) const MISS: f64 = 0.01;
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// To this share of itself a number is known.
-const PRECISION: f64 = 1e-13;
+const PRECISION: f64 = 1e-10;
 
 /// Halvings of an interval about a number that is 0.
 const HALVINGS: usize = 200;

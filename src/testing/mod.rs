@@ -2,16 +2,21 @@
 //! probability of a false alarm and a known power.
 //!
 //! ```
+//! use std::sync::LazyLock;
+//!
 //! use proptest::prelude::*;
 //! use rand::distr::Distribution;
 //! use undulate::testing::{Family, gaussian, observations, refute_above, seeds, waves_of};
-//! use undulate::{Derivative, FourierMovementPrimitive, synthetic};
+//! use undulate::{Derivative, FourierMovementPrimitive, Observation, synthetic};
 //!
 //! /// One false alarm in a million runs of the two statistical tests, however many cases PROPTEST_CASES asks for.
 //! const FAMILY: Family = Family::new(1e-6, 2);
 //!
-//! fn greeting() -> FourierMovementPrimitive {
-//!     FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 12).unwrap()
+//! static GREETING: LazyLock<FourierMovementPrimitive> =
+//!     LazyLock::new(|| FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 12).unwrap());
+//!
+//! fn gentle() -> FourierMovementPrimitive {
+//!     GREETING.condition(&[Observation::modulus("elbow_flexion", 10, 0.05)]).unwrap()
 //! }
 //!
 //! proptest! {
@@ -19,35 +24,35 @@
 //! #   /*
 //!     #[test]
 //! #   */
-//!     fn no_elbow_is_bent_backwards(wave in waves_of(&greeting())) {
+//!     fn gentle_waves_are_gentle(wave in waves_of(&gentle())) {
 //!         let elbow = wave.joints().index("elbow_flexion")?;
-//!         prop_assert!(wave.range(elbow, Derivative::Position).lower > 0.0);
+//!         prop_assert!(wave.weights()[(elbow, 9)].norm() < 0.0501);
 //!     }
 //!
 //! #   /*
 //!     #[test]
 //! #   */
-//!     fn draws_are_as_they_are_conditioned(asked in observations(&greeting(), 0..=2), seed in seeds()) {
-//!         let conditioned = greeting().condition(&asked)?;
-//!         let draws: Vec<_> = (0..2000).map(|k| conditioned.gaussian().sample(&mut seed.stream(k))).collect();
+//!     fn draws_are_as_they_are_conditioned(asked in observations(&GREETING, 0..=2), seed in seeds()) {
+//!         let conditioned = GREETING.condition(&asked)?;
+//!         let draws: Vec<_> = (0..500).map(|k| conditioned.gaussian().sample(&mut seed.stream(k))).collect();
 //!         gaussian(&draws, conditioned.gaussian(), FAMILY.case()).map_err(|alarm| alarm.of(seed))?;
 //!     }
 //!
 //! #   /*
 //!     #[test]
 //! #   */
-//!     fn hardly_a_wave_is_hasty(seed in seeds()) {
-//!         let hasty = |k: &u64| {
-//!             let wave = greeting().sample(&mut seed.stream(*k));
-//!             (0..wave.joints().len()).any(|d| wave.range(d, Derivative::Velocity).upper > 12.0)
+//!     fn few_waves_are_hasty(seed in seeds()) {
+//!         let is_hasty = |k: &u64| {
+//!             let wave = GREETING.sample(&mut seed.stream(*k));
+//!             (0..wave.joints().len()).any(|d| wave.range(d, Derivative::Velocity).upper > 17.0)
 //!         };
-//!         let failures = (0..50).filter(hasty).count() as u64;
-//!         refute_above(failures, 50, 0.02, FAMILY.case()).map_err(|alarm| alarm.of(seed))?;
+//!         let failures = (0..50).filter(is_hasty).count() as u64;
+//!         refute_above(failures, 50, 0.05, FAMILY.case()).map_err(|alarm| alarm.of(seed))?;
 //!     }
 //! }
-//! # no_elbow_is_bent_backwards();
+//! # gentle_waves_are_gentle();
 //! # draws_are_as_they_are_conditioned();
-//! # hardly_a_wave_is_hasty();
+//! # few_waves_are_hasty();
 //! ```
 //!
 //! # Statistical assertions

@@ -7,6 +7,15 @@ use rand::rngs::ChaCha8Rng;
 use crate::primitive::stream;
 
 /// The seed of all randomness of a statistical case.
+///
+/// ```
+/// use undulate::rand::RngExt;
+/// use undulate::testing::Seed;
+///
+/// let draw = |seed: Seed| seed.rng().random::<u64>();
+/// assert_eq!(draw(Seed(3)), draw(Seed(3)));
+/// assert_ne!(draw(Seed(3)), draw(Seed(4)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Seed(pub u64);
 

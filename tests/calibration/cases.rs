@@ -14,6 +14,8 @@ use super::Outcome;
 /// An assertion, and samples for it that are off by some discrepancy, in the terms in which it states its power.
 pub struct Case {
     pub name: &'static str,
+    /// What the alarm calls off then.
+    pub what: &'static str,
     /// What the assertion would call no discrepancy.
     pub none: f64,
     /// Whether its rate of false alarms is what is asked, or only bounded by it.
@@ -25,9 +27,10 @@ pub struct Case {
     pub check: fn(&mut ChaCha8Rng, f64, f64) -> Outcome,
 }
 
-pub const CASES: [Case; 11] = [
+pub const CASES: [Case; 12] = [
     Case {
         name: "mean",
+        what: "mean",
         none: 0.0,
         is_exact: true,
         is_sharp: true,
@@ -40,6 +43,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "covariance",
+        what: "variance",
         none: 1.0,
         is_exact: true,
         is_sharp: true,
@@ -53,6 +57,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "gaussian, variance",
+        what: "variance",
         none: 1.0,
         is_exact: true,
         is_sharp: true,
@@ -64,6 +69,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "gaussian, mean",
+        what: "mean",
         none: 0.0,
         is_exact: true,
         is_sharp: true,
@@ -74,7 +80,24 @@ pub const CASES: [Case; 11] = [
         },
     },
     Case {
+        name: "gaussian, succession",
+        what: "succession",
+        none: 0.0,
+        is_exact: true,
+        is_sharp: true,
+        gross: 0.95,
+        check: |rng, off, level| {
+            let mut samples = draws(&plane(), 100, rng, |x, _| x - plane().mean());
+            for pair in samples.chunks_exact_mut(2) {
+                pair[1] = &pair[0] * off + &pair[1] * (1.0 - off * off).sqrt();
+            }
+            samples.iter_mut().for_each(|x| *x += plane().mean());
+            gaussian(&samples, &plane(), level)
+        },
+    },
+    Case {
         name: "distribution",
+        what: "distribution",
         none: 0.0,
         is_exact: true,
         is_sharp: false,
@@ -87,6 +110,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "quantile",
+        what: "samples up to the quantile",
         none: 0.0,
         is_exact: true,
         is_sharp: true,
@@ -98,6 +122,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "bounded mean",
+        what: "mean",
         none: 0.0,
         is_exact: false,
         is_sharp: false,
@@ -109,6 +134,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "circular mean",
+        what: "mean direction (sine)",
         none: 0.0,
         is_exact: false,
         is_sharp: false,
@@ -120,6 +146,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "circular spread",
+        what: "resultant length",
         none: 0.0,
         is_exact: false,
         is_sharp: false,
@@ -132,6 +159,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "independence",
+        what: "Kendall's tau",
         none: 0.0,
         is_exact: false,
         is_sharp: false,
@@ -152,6 +180,7 @@ pub const CASES: [Case; 11] = [
     },
     Case {
         name: "probability above",
+        what: "lower bound of a probability",
         none: 0.2,
         is_exact: true,
         is_sharp: true,

@@ -1,8 +1,8 @@
 //! Statistical assertions do what they say: on true samples they raise false alarms no more often than stated, and not far less where they are
 //! exact; of samples that are off by the discrepancy that they state they miss no more than one in a hundred.
 //!
-//! Each rate is measured in 2000 runs of fixed seeds and judged by the exact binomial bound, at one false alarm in a million. That this is
-//! strict enough is shown on assertions whose threshold is that of another level.
+//! Each rate is measured in 2000 runs of fixed seeds and judged by the exact binomial bound; all judgements together raise a false alarm with one in a
+//! million. That they are strict enough is shown on assertions whose threshold is that of another level.
 
 mod cases;
 
@@ -21,8 +21,10 @@ const RUNS: u64 = 2000;
 const RATE: f64 = 0.05;
 /// Of misses at the discrepancy that is stated: 99 % power.
 const MISS: f64 = 0.01;
-/// Of a judgement of this file.
-const DOUBT: f64 = 1e-6;
+/// All judgements of this file.
+const JUDGEMENTS: Family = Family::new(1e-6, 40);
+/// Of one.
+const DOUBT: f64 = JUDGEMENTS.test();
 
 type Outcome = Result<(), Alarm>;
 
@@ -34,7 +36,9 @@ fn alarms(seed: u64, run: impl Fn(&mut ChaCha8Rng) -> Outcome) -> u64 {
 
 /// What the assertion says it catches with 99 % power at this level.
 fn stated(case: &Case, level: f64) -> f64 {
-    let alarm = (case.check)(&mut stream(0, 0), case.gross, level).unwrap_err();
+    let alarm = |k| (case.check)(&mut stream(0, k), case.gross, level).err();
+    let alarm = (0..100).filter_map(alarm).find(|a| a.what == case.what);
+    let alarm = alarm.unwrap_or_else(|| panic!("{} is not noticed", case.name));
     alarm.power.smallest - case.none
 }
 
@@ -70,20 +74,19 @@ fn what_is_stated_is_caught_with_the_power_that_is_stated() {
     }
 }
 
-/// The proof of this file's own power: a threshold that is that of twice the level (a factor 1/2 dropped, two tails taken for one) raises too many
-/// false alarms; one that is that of a two-hundredth of it misses what is stated.
+/// The proof of this file's own power: a threshold that is that of three times the level raises too many false alarms, that of a fifth too few, and that
+/// of a two-hundredth misses what is stated.
 #[test]
 fn a_threshold_that_is_off_is_noticed() {
     for (case, seed) in CASES.iter().zip(400..).filter(|(case, _)| case.is_exact) {
-        let found = alarms(seed, |rng| (case.check)(rng, 0.0, 2.0 * RATE));
-        println!("{}: {found} alarms at twice the level", case.name);
+        let found = alarms(seed, |rng| (case.check)(rng, 0.0, 3.0 * RATE));
+        println!("{}: {found} alarms at three times the level", case.name);
         assert!(
             refute_above(found, RUNS, RATE, DOUBT).is_err(),
             "{}: {found}",
             case.name
         );
-        // Lax in rate, too.
-        let rare = alarms(seed, |rng| (case.check)(rng, 0.0, RATE / 3.0));
+        let rare = alarms(seed, |rng| (case.check)(rng, 0.0, RATE / 5.0));
         assert!(
             refute_above(RUNS - rare, RUNS, 1.0 - RATE, DOUBT).is_err(),
             "{}: {rare}",
@@ -140,7 +143,7 @@ fn energy_is_calibrated_and_catches_what_it_states() {
     println!("energy: {found} alarms of {RUNS} at {RATE}");
     refute_above(found, RUNS, RATE, DOUBT).unwrap();
     refute_above(RUNS - found, RUNS, 1.0 - RATE, DOUBT).unwrap();
-    assert!(refute_above(run(2.0 * RATE), RUNS, RATE, DOUBT).is_err());
+    assert!(refute_above(run(3.0 * RATE), RUNS, RATE, DOUBT).is_err());
     // The least shift whose distance is one that is certain to be caught.
     let distance = |shift: f64| 2.0 * shift - 2.0 / 3.0;
     let certain = |shift: &f64| {
@@ -186,7 +189,7 @@ fn a_retest_keeps_its_budget_and_takes_fewer_samples_for_the_same_power() {
     refute_above(RUNS - found, RUNS, 1.0 - RATE, DOUBT).unwrap();
     assert!(
         refute_above(
-            alarms(701, |rng| again(0.0, (2.0 * RATE, 3, 200), rng).0),
+            alarms(701, |rng| again(0.0, (3.0 * RATE, 3, 200), rng).0),
             RUNS,
             RATE,
             DOUBT
