@@ -3,7 +3,7 @@
 use super::alarm::{Alarm, Power};
 use super::argument::require_probability;
 use super::law::{MISS, first_count};
-use crate::proportion::{lower_bound, upper_bound};
+use crate::proportion::{at_least, at_most, lower_bound, upper_bound};
 
 /// Is it demonstrated at `confidence` that what failed `failures` times in so many independent `trials` fails with probability `p` at
 /// most? Passes only if the upper bound of Clopper and Pearson, one-sided, is at most p: if the probability were above p, that would happen
@@ -43,7 +43,7 @@ pub fn demonstrate_below(failures: u64, trials: u64, p: f64, confidence: f64) ->
         (0.0, p),
         trials as usize,
         || {
-            let too_many = first_count(trials, |k| k == trials || upper_bound(k, trials, tail) > p);
+            let too_many = first_count(trials, |k| k == trials || at_most(k, trials, p) > tail);
             Power {
                 of: "demonstrated if the probability is at most",
                 smallest: lower_bound(too_many, trials, MISS),
@@ -84,7 +84,7 @@ pub fn refute_above(failures: u64, trials: u64, p: f64, false_alarm: f64) -> Res
         (0.0, p),
         trials as usize,
         || {
-            let fewest = first_count(trials, |k| lower_bound(k, trials, false_alarm) > p);
+            let fewest = first_count(trials, |k| at_least(k, trials, p) < false_alarm);
             Power {
                 of: "a probability of",
                 smallest: upper_bound(fewest - 1, trials, MISS),

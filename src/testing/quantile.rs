@@ -3,7 +3,7 @@
 use super::alarm::{Alarm, Power};
 use super::argument::{require_probability, require_samples, require_telling};
 use super::law::{MISS, first_count};
-use crate::proportion::{lower_bound, upper_bound};
+use crate::proportion::{at_least, at_most, lower_bound, upper_bound};
 
 /// Is `value` the quantile of `probability` of what these numbers are drawn from? How many are at most `value` is binomial, so the test is
 /// exact at any N for any continuous distribution (but for the steps of the binomial law). Where many numbers may be equal to `value`,
@@ -78,8 +78,8 @@ pub fn quantile(
 
 /// The counts that a binomial law does not leave on either side with more than probability `tail`.
 fn accepted(trials: u64, probability: f64, tail: f64) -> (u64, u64) {
-    let fewest = first_count(trials, |k| upper_bound(k, trials, tail) >= probability);
-    let too_many = first_count(trials, |k| lower_bound(k, trials, tail) > probability);
+    let fewest = first_count(trials, |k| at_most(k, trials, probability) >= tail);
+    let too_many = first_count(trials, |k| at_least(k, trials, probability) < tail);
     (fewest, too_many - 1)
 }
 
