@@ -44,7 +44,7 @@ pub struct Power {
 impl Power {
     /// Nothing has to be estimated, so every violation is seen.
     pub(super) const CERTAIN: Self = Self {
-        of: "any, beyond",
+        of: "whatever is out of bounds, by more than",
         smallest: 0.0,
     };
 }

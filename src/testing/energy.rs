@@ -38,7 +38,7 @@ const ROUNDING: f64 = 1e-12;
 /// ```
 ///
 /// # Errors
-/// When p is at most `false_alarm`.
+/// When p is at most `false_alarm`; the alarm tells `seed`.
 ///
 /// # Panics
 /// When `false_alarm` is not within 0..1, there are so few `permutations` or samples that p cannot be that small, or vectors of different
@@ -92,6 +92,7 @@ pub fn energy(
         of: "an energy distance of",
         smallest: distances.caught(permutations, false_alarm),
     })
+    .map_err(|alarm| alarm.of(seed))
 }
 
 /// All distances between samples, of which the first so many are the first set.

@@ -4,8 +4,8 @@
 //! ```
 //! use std::sync::LazyLock;
 //!
-//! use proptest::prelude::*;
-//! use rand::distr::Distribution;
+//! use undulate::rand::distr::Distribution;
+//! use undulate::testing::proptest::prelude::*;
 //! use undulate::testing::{Family, gaussian, observations, refute_above, seeds, waves_of};
 //! use undulate::{Derivative, FourierMovementPrimitive, Observation, synthetic};
 //!
@@ -71,7 +71,7 @@
 //!
 //! Each takes the probability of a false alarm and returns an [`Alarm`], which is an error: `?` in a property fails it. Its text has the
 //! statistic, its bounds, N, the seed if it was told ([`Alarm::of`]), and the smallest discrepancy that N samples are enough to catch with
-//! 99 % power. `tests/calibration.rs` measures both: alarms on true samples, and on samples that are off by just that.
+//! 99 % power. `tests/calibration` measures both: alarms on true samples, and on samples that are off by just that.
 //! A [`Family`] keeps one budget for many tests and all their cases, [`retest`] keeps it with fewer samples. A statistical case
 //! draws from its [`Seed`] and nothing else, so that shrinking meets the same failure again.
 //!
@@ -88,6 +88,9 @@
 //!
 //! Wrong arguments (a probability outside 0..1, no samples or too few to mean anything, a strategy that can produce nothing) panic
 //! and name the argument: they are mistakes in a test, not input.
+
+/// The version whose strategies these are.
+pub use proptest;
 
 mod alarm;
 mod argument;
