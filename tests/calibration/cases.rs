@@ -232,6 +232,6 @@ pub fn failures(trials: u64, probability: f64, rng: &mut ChaCha8Rng) -> u64 {
 }
 
 /// Of a normal law of this standard deviation, wrapped.
-fn resultant(deviation: f64) -> f64 {
+pub fn resultant(deviation: f64) -> f64 {
     (-deviation * deviation / 2.0).exp()
 }

@@ -104,6 +104,54 @@ fn a_threshold_that_is_off_is_noticed() {
     }
 }
 
+/// Rates do not tell whether a bound is the one that it should be: its threshold does, by the theorem as it is printed.
+#[test]
+fn thresholds_of_bounds_are_those_of_their_theorems() {
+    let threshold = |name: &str| {
+        let case = CASES.iter().find(|case| case.name == name).unwrap();
+        let alarm = (case.check)(&mut stream(0, 0), case.gross, RATE).unwrap_err();
+        (alarm.bounds.0, alarm.bounds.1, alarm.samples as f64)
+    };
+    let log_bound = |found: f64, expected: f64, name: &str| {
+        assert!(
+            (found / expected.ln() - 1.0).abs() < 1e-6,
+            "{name}: {found}"
+        );
+    };
+    // Hoeffding 1963, theorem 1, (2.1), for 0 <= X <= 1 of mean m and an average of m + t.
+    let hoeffding = |m: f64, t: f64, n: f64| {
+        n * ((m + t) * (m / (m + t)).ln() + (1.0 - m - t) * ((1.0 - m) / (1.0 - m - t)).ln())
+    };
+    let (low, high, n) = threshold("bounded mean");
+    log_bound(hoeffding(0.3, high - 0.3, n), RATE / 2.0, "above");
+    log_bound(hoeffding(0.7, 0.3 - low, n), RATE / 2.0, "below");
+    let resultant = cases::resultant(0.4);
+    let (low, high, n) = threshold("circular spread");
+    // From -1 .. 1 to 0 .. 1.
+    log_bound(
+        hoeffding((1.0 - resultant) / 2.0, (resultant - low) / 2.0, n),
+        RATE / 2.0,
+        "wide",
+    );
+    log_bound(
+        hoeffding((1.0 + resultant) / 2.0, (high - resultant) / 2.0, n),
+        RATE / 2.0,
+        "narrow",
+    );
+    // Theorem 3, (2.7), for X <= b = 1 of mean 0 and variance v.
+    let (low, t, n) = threshold("circular mean");
+    let v = 1.0 - resultant * resultant;
+    let exponent =
+        (1.0 + t / v) * v / (1.0 + v) * (1.0 + t / v).ln() + (1.0 - t) / (1.0 + v) * (1.0 - t).ln();
+    log_bound(-n * exponent, RATE / 3.0, "circular mean");
+    assert_eq!(low, -t);
+    // Sub-Gaussian, with the variance 2 (2N + 5) / 9N (N - 1) of tau.
+    let (low, tau, n) = threshold("independence");
+    let variance = 2.0 * (2.0 * n + 5.0) / (9.0 * n * (n - 1.0));
+    log_bound(-tau * tau / (2.0 * variance), RATE / 2.0, "independence");
+    assert_eq!(low, -tau);
+}
+
 #[test]
 fn a_demonstration_errs_as_rarely_as_stated_and_succeeds_where_stated() {
     let check = |p: f64| {
