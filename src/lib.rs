@@ -89,7 +89,7 @@
 //! | `robot` | URDF, kinematics, dynamics, joint maps, self-collision (parry, urdf-rs) | with `cli` |
 //! | `simulation` | execution in Rapier, and by a plant of our own | with `cli` |
 //! | `figure` | plots, and with `robot` pictures of robots | with `cli` |
-//! | `testing` | strategies and statistical assertions for `cargo test` (proptest) | no |
+//! | `testing` | strategies and statistical assertions for `cargo test` (proptest); with `robot` of robots too | no |
 //! | `cli` | the `undulate` program | yes |
 
 #![warn(missing_docs)]

@@ -25,19 +25,42 @@ pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> (f64, f6
         "a confidence of {confidence}"
     );
     let tail = 0.5 * (1.0 - confidence);
-    let (k, n) = (successes as f64, trials as f64);
-    // P(X >= k | p) is the incomplete beta function I_p(k, n - k + 1), increasing in p.
-    let lower = if successes == 0 {
-        0.0
-    } else {
-        crossing(|p| incomplete_beta(p, k, n - k + 1.0) < tail)
-    };
-    let upper = if successes == trials {
-        1.0
-    } else {
-        crossing(|p| incomplete_beta(p, k + 1.0, n - k) < 1.0 - tail)
-    };
-    (lower, upper)
+    (
+        lower_bound(successes, trials, tail),
+        upper_bound(successes, trials, tail),
+    )
+}
+
+/// The probability at which so many successes or more have a chance of `tail`; 0 without successes.
+pub(crate) fn lower_bound(successes: u64, trials: u64, tail: f64) -> f64 {
+    if successes == 0 {
+        return 0.0;
+    }
+    crossing(|p| at_least(successes, trials, p) < tail)
+}
+
+/// The probability at which so many successes or fewer have a chance of `tail`; 1 without failures.
+pub(crate) fn upper_bound(successes: u64, trials: u64, tail: f64) -> f64 {
+    if successes == trials {
+        return 1.0;
+    }
+    crossing(|p| at_most(successes, trials, p) > tail)
+}
+
+/// P(X >= k) of a binomial X: the incomplete beta function I_p(k, n - k + 1), increasing in p.
+pub(crate) fn at_least(k: u64, trials: u64, p: f64) -> f64 {
+    if k == 0 {
+        return 1.0;
+    }
+    incomplete_beta(p, k as f64, (trials - k) as f64 + 1.0)
+}
+
+/// P(X <= k) of a binomial X; by symmetry and not as 1 less the other, which knows no tail below rounding.
+pub(crate) fn at_most(k: u64, trials: u64, p: f64) -> f64 {
+    if k == trials {
+        return 1.0;
+    }
+    incomplete_beta(1.0 - p, (trials - k) as f64, k as f64 + 1.0)
 }
 
 /// Where `is_below` ceases to hold between 0 and 1, by bisection until neighbouring numbers.
@@ -137,6 +160,14 @@ mod tests {
                 assert!((above / tail - 1.0).abs() < 1e-9, "{k} {n} {above}");
             }
         }
+    }
+
+    #[test]
+    fn tails_far_below_rounding_are_known() {
+        // None of 100: closed form, and the same from the other side.
+        let expected = 1.0 - 1e-30f64.powf(0.01);
+        assert!((upper_bound(0, 100, 1e-30) - expected).abs() < 1e-12);
+        assert!((lower_bound(100, 100, 1e-30) - (1.0 - expected)).abs() < 1e-12);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rand::distr::Distribution;
-use undulate::testing::gaussian;
+use undulate::testing::{Seed, gaussian};
 use undulate::{
     Estimator, FourierMovementPrimitive, Gaussian, LearnOptions, LinearObservation, Observation,
     stream, synthetic,
@@ -249,7 +249,7 @@ fn draws_have_the_mean_and_covariance_that_the_textbook_states() {
     };
     let conditioned = primitive.condition(&observations).unwrap();
     gaussian(&draws(&conditioned), &stated, FALSE_ALARM)
-        .unwrap_or_else(|alarm| panic!("{alarm}, seed {SEED}"));
+        .unwrap_or_else(|alarm| panic!("{}", alarm.of(Seed(SEED))));
 
     // A sampler that forgets the noise of the inexact observation in Matheron's rule, and one that forgets to project at all.
     let exactly: Vec<Observation> = observations.into_iter().map(|o| o.within(0.0)).collect();

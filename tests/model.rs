@@ -5,7 +5,7 @@ use num_complex::Complex;
 use proptest::prelude::*;
 use rand::RngExt;
 use rand::distr::Distribution;
-use undulate::testing::{gaussian, gaussians, primitives, waves};
+use undulate::testing::{Seed, gaussian, gaussians, primitives, waves};
 use undulate::{
     Coordinate, Derivative, FourierBasis, FourierMovementPrimitive, Gaussian, LearnOptions,
     LogPolar, Observation, PeriodGrid, Wave, stream, synthetic,
@@ -301,7 +301,7 @@ fn draws_have_the_mean_and_covariance_of_their_primitive() {
     for primitive in [learned(), conditioned()] {
         let g = primitive.gaussian();
         gaussian(&draws(g, |_, x| x.clone()), g, FALSE_ALARM)
-            .unwrap_or_else(|alarm| panic!("{alarm}, seed {SEED}"));
+            .unwrap_or_else(|alarm| panic!("{}", alarm.of(Seed(SEED))));
     }
 }
 

@@ -177,7 +177,7 @@ impl LogPolar {
     }
 
     /// Whether it is the logarithm of the coordinate that is linear in x.
-    pub(in crate::primitive) fn is_logarithmic(&self, coordinate: &Coordinate) -> Result<bool> {
+    pub(crate) fn is_logarithmic(&self, coordinate: &Coordinate) -> Result<bool> {
         match coordinate {
             Coordinate::Offset { joint } => {
                 Ok(self.offset_forms()[self.joints().index(joint)?] != OffsetForm::Signed)

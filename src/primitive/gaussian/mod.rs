@@ -192,7 +192,7 @@ impl Gaussian {
     }
 
     /// How many standard normal numbers a draw takes.
-    pub(in crate::primitive) fn latent(&self) -> usize {
+    pub(crate) fn latent(&self) -> usize {
         self.covariance.latent() + self.noises()
     }
 
@@ -207,7 +207,7 @@ impl Gaussian {
     }
 
     /// x of latent numbers; what the observations determine is taken out of `z` first.
-    pub(in crate::primitive) fn at_latent(&self, z: &mut [f64]) -> DVector<f64> {
+    pub(crate) fn at_latent(&self, z: &mut [f64]) -> DVector<f64> {
         let (latent, noise) = z.split_at_mut(self.covariance.latent());
         for observed in &self.observed {
             observed.project_out(latent, noise);

@@ -6,6 +6,8 @@ use std::ops::RangeInclusive;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
+use super::super::argument::require_counts;
+
 /// What one moving link and its joint are drawn as.
 #[derive(Debug, Clone)]
 struct Drawn {
@@ -28,7 +30,24 @@ struct Drawn {
 /// unit vectors, as files have them), with turned origins and inertial frames, branches, loads on fixed joints and joints
 /// that mimic others (and others' mimics). Masses of 0.2 to 5 kg are boxes of 0.1 to 0.5 m, so every mass matrix is
 /// positive definite. They shrink to fewer joints, to chains and to numbers that are 0 or at their least.
+///
+/// ```
+/// # #[cfg(feature = "robot")] {
+/// use proptest::prelude::*;
+/// use undulate::Robot;
+/// use undulate::testing::trees;
+///
+/// proptest!(|(urdf in trees(1..=4))| {
+///     let robot = Robot::from_urdf(&urdf)?;
+///     prop_assert!(robot.require_dynamics().is_ok());
+/// });
+/// # }
+/// ```
+///
+/// # Panics
+/// When `joints` is an empty range or starts at 0.
 pub fn trees(joints: RangeInclusive<usize>) -> impl Strategy<Value = String> {
+    require_counts("joints", &joints, 1);
     let axis = [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64].prop_map(|a| {
         // A short axis is replaced, not thrown away.
         if a.iter().map(|x| x * x).sum::<f64>() < 0.04 {
@@ -119,7 +138,8 @@ fn body(text: &mut String, name: &str, drawn: &Drawn) {
     );
 }
 
-fn origin(pose: &[f64; 6]) -> String {
+/// `<origin/>` of x, y, z, roll, pitch, yaw.
+pub(super) fn origin(pose: &[f64; 6]) -> String {
     let (xyz, rpy) = pose.split_at(3);
     format!(
         "<origin xyz=\"{}\" rpy=\"{}\"/>",
@@ -128,7 +148,7 @@ fn origin(pose: &[f64; 6]) -> String {
     )
 }
 
-fn numbers(values: &[f64]) -> String {
+pub(super) fn numbers(values: &[f64]) -> String {
     values
         .iter()
         .map(f64::to_string)

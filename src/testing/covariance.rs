@@ -1,0 +1,122 @@
+//! Assertions about covariances.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::alarm::{Alarm, Power};
+use super::argument::{require_probability, require_samples, require_telling};
+use super::law::{MISS, chi_squared, chi_squared_below};
+use super::mean::moments;
+
+/// A test of a variance that would not see four times as much sees nothing.
+const LARGEST_RATIO: f64 = 4.0;
+
+/// Have normally distributed vectors this covariance, whatever their mean is? With z the samples less their average, whitened by
+/// Cholesky's factor, the sum of (u . z)^2 is chi-square with N - 1 degrees of freedom for each unit vector u: the d axes and the
+/// d (d - 1) diagonals (e_i +- e_j) / sqrt 2, so that every entry of the covariance is tested. Each is exact; together they share
+/// `false_alarm` (Bonferroni), which is conservative by little, since they are nearly independent.
+///
+/// What it catches is a variance along one of these directions that is another by a ratio.
+///
+/// ```
+/// use nalgebra::{DVector, dmatrix, dvector};
+/// use undulate::testing::{Seed, covariance};
+/// use undulate::{Gaussian, nalgebra};
+///
+/// let gaussian = Gaussian::new(dvector![1.0, 2.0], dmatrix![0.3, 0.0; 0.1, 0.2])?;
+/// let mut rng = Seed(5).rng();
+/// let samples: Vec<DVector<f64>> = (0..500).map(|_| gaussian.sample(&mut rng)).collect();
+/// assert!(covariance(&samples, &gaussian.covariance(), 1e-6).is_ok());
+/// // One entry forgotten.
+/// let alarm = covariance(&samples, &dmatrix![0.09, 0.0; 0.0, 0.05], 1e-6).unwrap_err();
+/// assert_eq!(alarm.what, "variance");
+/// # Ok::<(), undulate::Error>(())
+/// ```
+///
+/// # Errors
+/// The first direction whose variance is out of bounds; for true samples with probability at most `false_alarm`.
+///
+/// # Panics
+/// When `false_alarm` is not within 0..1, `covariance` is not positive definite (for one of less rank there is
+/// [`gaussian`](super::gaussian)), `samples` are of another dimension or so few that a variance four times too large could pass
+/// unnoticed.
+pub fn covariance(
+    samples: &[DVector<f64>],
+    covariance: &DMatrix<f64>,
+    false_alarm: f64,
+) -> Result<(), Alarm> {
+    require_probability("false_alarm", false_alarm);
+    let dimension = covariance.nrows();
+    let factor = (covariance.is_square() && dimension > 0)
+        .then(|| covariance.clone().cholesky())
+        .flatten()
+        .expect("covariance: a positive definite matrix");
+    assert!(
+        samples.iter().all(|x| x.len() == dimension),
+        "samples: of another dimension than the covariance, which has {dimension}"
+    );
+    require_samples(samples.len(), 2);
+    let test = Variances::new(samples.len(), samples.len() - 1, dimension, false_alarm);
+    Alarm::unless_finite(samples.iter().flat_map(|x| x.iter()), samples.len())?;
+    let (_, scatter) = moments(samples);
+    // L^-1 S L^-T.
+    let half = factor
+        .l()
+        .solve_lower_triangular(&scatter)
+        .expect("its diagonal is positive");
+    let products = factor
+        .l()
+        .solve_lower_triangular(&half.transpose())
+        .expect("its diagonal is positive");
+    test.check(&products)
+}
+
+/// The test of a sum of outer products of standard normal vectors, in all axes and diagonals.
+pub(super) struct Variances {
+    samples: usize,
+    freedom: f64,
+    bounds: (f64, f64),
+}
+
+impl Variances {
+    #[track_caller]
+    pub fn new(samples: usize, freedom: usize, dimension: usize, false_alarm: f64) -> Self {
+        let directions = (dimension * dimension).max(1) as f64;
+        let freedom = freedom as f64;
+        let bounds = chi_squared(freedom, false_alarm / (2.0 * directions));
+        let test = Self {
+            samples,
+            freedom,
+            bounds,
+        };
+        require_telling(
+            test.ratio() < LARGEST_RATIO,
+            samples,
+            "a variance four times too large",
+        );
+        test
+    }
+
+    /// The smallest ratio of variances, above 1, that is caught; one below 1 is sooner.
+    fn ratio(&self) -> f64 {
+        self.bounds.1 / chi_squared_below(self.freedom, MISS)
+    }
+
+    pub fn check(&self, products: &DMatrix<f64>) -> Result<(), Alarm> {
+        for i in 0..products.nrows() {
+            for j in 0..=i {
+                let (a, b, c) = (products[(i, i)], products[(j, j)], products[(i, j)]);
+                let along = [(a + b) / 2.0 + c, (a + b) / 2.0 - c];
+                // An axis is a diagonal with itself, halved.
+                let statistics = if i == j { &[a][..] } else { &along[..] };
+                for statistic in statistics {
+                    let power = || Power {
+                        of: "a ratio of variances of",
+                        smallest: self.ratio(),
+                    };
+                    Alarm::unless_within("variance", *statistic, self.bounds, self.samples, power)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,168 @@
+//! The assertion that two sets of samples come from one distribution, whatever it is.
+
+use nalgebra::DVector;
+use rand::RngExt;
+
+use super::Seed;
+use super::alarm::{Alarm, Power};
+use super::argument::{require_probability, require_samples};
+use super::law::MISS;
+use crate::proportion::lower_bound;
+
+/// Distances that sums in another order make differ are equal.
+const ROUNDING: f64 = 1e-12;
+
+/// Do two sets of vectors come from one distribution? By the energy distance 2 E|X - Y| - E|X - X'| - E|Y - Y'| (Szekely and Rizzo, Journal of
+/// Statistical Planning and Inference 143, 2013), which is 0 for equal distributions and for no others, against what it is when the vectors are
+/// dealt out to the sets anew, `permutations` times, as drawn by `seed`. If the distribution is one, all deals are alike, and p = (1 + those as
+/// far apart) / (1 + `permutations`) is at most any level with no more than that probability: exact at any N, but for the steps of p. Entries
+/// should be of one unit and size: an entry that is large hides the others.
+///
+/// What it is certain to catch is an energy distance of the distributions, by McDiarmid's inequality for the samples and its twin for
+/// deals (El-Yaniv and Pechyony, JAIR 35, 2009), from the mean distances and the diameter that the samples have. That is a safe
+/// number: distances a tenth as large are nearly always caught.
+///
+/// ```
+/// use nalgebra::{DVector, dvector};
+/// use rand::RngExt;
+/// use undulate::nalgebra;
+/// use undulate::testing::{Seed, energy};
+///
+/// let mut rng = Seed(4).rng();
+/// let mut draw = |width: f64| -> Vec<DVector<f64>> {
+///     (0..60).map(|_| dvector![rng.random_range(-width..width)]).collect()
+/// };
+/// let (one, other, wider) = (draw(1.0), draw(1.0), draw(3.0));
+/// assert!(energy(&one, &other, 999, Seed(0), 1e-3).is_ok());
+/// assert!(energy(&one, &wider, 999, Seed(0), 1e-3).is_err());
+/// ```
+///
+/// # Errors
+/// When p is at most `false_alarm`; the alarm tells `seed`.
+///
+/// # Panics
+/// When `false_alarm` is not within 0..1, there are so few `permutations` or samples that p cannot be that small, or vectors of different
+/// dimensions.
+pub fn energy(
+    one: &[DVector<f64>],
+    other: &[DVector<f64>],
+    permutations: usize,
+    seed: Seed,
+    false_alarm: f64,
+) -> Result<(), Alarm> {
+    require_probability("false_alarm", false_alarm);
+    require_samples(one.len().min(other.len()), 2);
+    let all: Vec<&DVector<f64>> = one.iter().chain(other).collect();
+    let samples = all.len();
+    assert!(
+        all.iter().all(|x| x.len() == all[0].len()),
+        "samples: vectors of different dimensions"
+    );
+    let least = (1.0 / false_alarm).ceil() - 1.0;
+    assert!(
+        permutations as f64 >= least,
+        "permutations: {permutations} are too few for a false alarm of {false_alarm}, at least {least} are needed"
+    );
+    // Deals that differ by more than which set is which.
+    let log_factorial = |n: usize| libm::lgamma(n as f64 + 1.0);
+    let deals = log_factorial(samples) - log_factorial(one.len()) - log_factorial(other.len());
+    assert!(
+        deals - 2f64.ln() >= -false_alarm.ln(),
+        "samples: {} and {} are too few, no deal is as rare as {false_alarm}",
+        one.len(),
+        other.len()
+    );
+    Alarm::unless_finite(all.iter().flat_map(|x| x.iter()), samples)?;
+
+    let distances = Distances::between(&all, one.len());
+    let mut deal: Vec<usize> = (0..samples).collect();
+    let observed = distances.energy(&deal) * (1.0 - ROUNDING);
+    let mut rng = seed.rng();
+    let mut as_far = 0;
+    for _ in 0..permutations {
+        for i in 0..one.len() {
+            deal.swap(i, rng.random_range(i..samples));
+        }
+        as_far += usize::from(distances.energy(&deal) >= observed);
+    }
+    let p = (1 + as_far) as f64 / (1 + permutations) as f64;
+    // The level itself is an alarm.
+    let bounds = (false_alarm.next_up(), 1.0);
+    Alarm::unless_within("p of the energy distance", p, bounds, samples, || Power {
+        of: "an energy distance of",
+        smallest: distances.caught(permutations, false_alarm),
+    })
+    .map_err(|alarm| alarm.of(seed))
+}
+
+/// All distances between samples, of which the first so many are the first set.
+struct Distances {
+    first: usize,
+    count: usize,
+    /// Row by row.
+    between: Vec<f64>,
+    /// Sums of rows.
+    of: Vec<f64>,
+    total: f64,
+}
+
+impl Distances {
+    fn between(all: &[&DVector<f64>], first: usize) -> Self {
+        let count = all.len();
+        let between: Vec<f64> = (0..count * count)
+            .map(|i| (all[i / count] - all[i % count]).norm())
+            .collect();
+        let of: Vec<f64> = between.chunks(count).map(|row| row.iter().sum()).collect();
+        Self {
+            first,
+            count,
+            total: of.iter().sum(),
+            between,
+            of,
+        }
+    }
+
+    /// Sums of distances within the set of the first of the deal, between the sets, and within the other.
+    fn sums(&self, deal: &[usize]) -> [f64; 3] {
+        let set = &deal[..self.first];
+        let mut within = 0.0;
+        for (k, i) in set.iter().enumerate() {
+            let row = &self.between[i * self.count..(i + 1) * self.count];
+            within += 2.0 * set[..k].iter().map(|j| row[*j]).sum::<f64>();
+        }
+        let between = set.iter().map(|i| self.of[*i]).sum::<f64>() - within;
+        [within, between, self.total - 2.0 * between - within]
+    }
+
+    fn sizes(&self) -> (f64, f64) {
+        (self.first as f64, (self.count - self.first) as f64)
+    }
+
+    fn energy(&self, deal: &[usize]) -> f64 {
+        let (n, m) = self.sizes();
+        let [one, between, other] = self.sums(deal);
+        2.0 * between / (n * m) - one / (n * n) - other / (m * m)
+    }
+
+    /// The root of the energy distance is the norm of a difference of two means, of vectors whose squared distances are 2 |x - y|. So that of
+    /// the samples is less than that of the distributions by no more than the norm of what the means are off, and that of a deal is a
+    /// norm with a mean square that is known; both norms stay near their means, for no sample moves them by much.
+    fn caught(&self, permutations: usize, false_alarm: f64) -> f64 {
+        let (n, m) = self.sizes();
+        let count = n + m;
+        let deal: Vec<usize> = (0..self.count).collect();
+        let [one, _, other] = self.sums(&deal);
+        let diameter = self.between.iter().fold(0.0, |a: f64, b| a.max(*b));
+        let parts = 1.0 / n + 1.0 / m;
+        // What share of all deals may be as far, so that no more of the drawn ones are than p can bear.
+        let bearable = (false_alarm * (1.0 + permutations as f64)) as u64;
+        let share = lower_bound(bearable.max(1), permutations as u64, MISS / 2.0);
+        let deals = n * m / ((count - 0.5) * (1.0 - 0.5 / n.max(m)));
+        let swap = 2.0 * diameter * parts * parts;
+        let dealt = (parts * self.total / (count * (count - 1.0))).sqrt()
+            + (deals * swap * -share.ln() / 2.0).sqrt();
+        let drawn = (one / (n * n * (n - 1.0)) + other / (m * m * (m - 1.0))).sqrt()
+            + (2.0 * diameter * parts * (2.0 / MISS).ln() / 2.0).sqrt();
+        (dealt + drawn).powi(2)
+    }
+}
