@@ -1,8 +1,31 @@
-//! Versioned JSON documents: a header that says what the rest is, looked at before the rest.
+//! Files that are read whole, and versioned JSON documents: a header that says what the rest is, looked at before the rest.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::error::{Error, ErrorKind, Result};
+
+/// Bytes of any input: an hour at 1 kHz of seven joints is below this, and what it is read into within a gigabyte.
+const LARGEST: u64 = 256 << 20;
+
+/// The bytes of a file. A pipe or a device says nothing of its size, so the bound is on what is read.
+pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let fail = |e: std::io::Error| Error::io(path, &e);
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(fail)?;
+    file.take(LARGEST + 1)
+        .read_to_end(&mut bytes)
+        .map_err(fail)?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(Error::new(ErrorKind::Value, "the file is too large")
+            .expected(format!("at most {} MB", LARGEST >> 20))
+            .at(path.display().to_string()));
+    }
+    Ok(bytes)
+}
 
 /// What every document starts with.
 #[derive(Deserialize)]

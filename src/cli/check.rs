@@ -12,7 +12,7 @@ use super::robot::{Reading, RobotArguments, tell_notes};
 use super::trajectory::Form;
 use super::verdict::{
     codes, collision_json, collision_words, effort_table, efforts_json, limit_json, limit_source,
-    limit_table,
+    limit_table, millimetres,
 };
 use super::{Outcome, output};
 use crate::collision::{Certificate, Certification, CollisionModel, PairContacts, ProfileInterval};
@@ -78,6 +78,7 @@ pub(super) struct Arguments {
 /// What became of one motion.
 struct Answer {
     name: String,
+    has_limits: bool,
     held: Vec<(String, f64)>,
     warnings: Vec<String>,
     limits: Vec<LimitUse>,
@@ -91,6 +92,7 @@ impl Answer {
     fn of_error(name: String, error: Error) -> Self {
         Self {
             name,
+            has_limits: true,
             held: Vec::new(),
             warnings: Vec::new(),
             limits: Vec::new(),
@@ -106,6 +108,7 @@ impl Answer {
             Some(verdict) => verdict.reasons(),
             None => self.limits.iter().filter_map(LimitUse::reason).collect(),
         };
+        reasons.extend((!self.has_limits).then_some(Reason::LimitMissing));
         reasons.extend(self.error.as_ref().map(Reason::of));
         reasons.sort_unstable();
         reasons.dedup();
@@ -121,6 +124,10 @@ struct Gate<'a> {
     options: &'a CheckOptions,
     /// Where limits come from that are not the robot's.
     given: &'a str,
+    /// What is to be said of every motion.
+    warnings: Vec<String>,
+    /// Whether a limit of velocity is known of every joint.
+    has_limits: bool,
     arguments: &'a Arguments,
     target: &'a RobotArguments,
 }
@@ -173,23 +180,25 @@ fn look(arguments: &Arguments, json: bool) -> Result<Result<Outcome>> {
         .map(|o| o.name.clone())
         .collect();
     let collision = CollisionModel::new(&robot, &apart);
+    let mut warnings = Vec::new();
     let unlimited = without_velocity_limit(&robot, &options.limits);
     if !unlimited.is_empty() {
-        output::warn(format!(
-            "no velocity limit is known of {}: give one with --max-velocity or --limits",
+        warnings.push(format!(
+            "no velocity limit is known of {} (in a URDF 0 says none): give one with --max-velocity or --limits",
             unlimited.join(", ")
         ));
     }
     if let Err(error) = robot.require_dynamics() {
-        output::warn(format!("efforts are not looked at: {error}"));
+        warnings.push(format!("efforts are not looked at: {error}"));
     }
     let shapeless = pairs::without_shapes(&robot);
     if !shapeless.is_empty() {
-        output::warn(format!(
+        warnings.push(format!(
             "these links move, have no collision shape, and are kept apart from nothing: {}",
             shapeless.join(", ")
         ));
     }
+    warnings.iter().for_each(output::warn);
     let mut contacts = None;
     if let Ok(collision) = &collision {
         pairs::tell(collision, &scene);
@@ -200,6 +209,8 @@ fn look(arguments: &Arguments, json: bool) -> Result<Result<Outcome>> {
         collision: &collision,
         options: &options,
         given: &given,
+        warnings,
+        has_limits: unlimited.is_empty(),
         arguments,
         target: &target,
     };
@@ -252,6 +263,7 @@ impl Gate<'_> {
             evidence,
         } = loaded;
         let mut answer = Answer {
+            has_limits: self.has_limits,
             held,
             warnings,
             ..Answer::of_error(name, Error::new(ErrorKind::Infeasible, "not looked at"))
@@ -290,6 +302,14 @@ impl Gate<'_> {
             verdict.collision = Some(certification);
             answer.certificate = certificate;
         }
+        for touch in collision.disabled_collisions(motion)? {
+            let (a, b) = &touch.pair;
+            answer.warnings.push(format!(
+                "the SRDF disables {a} and {b}, and this motion makes them touch, {} mm deep at {:.3} s; --keep {a}:{b} checks them",
+                millimetres(-touch.distance),
+                touch.time
+            ));
+        }
         if self.arguments.figure.is_some() {
             answer.profile = collision.clearance_profile(motion, COLUMNS, DRAWN)?;
         }
@@ -320,6 +340,11 @@ impl Gate<'_> {
         };
         value["robot"] = json!(self.robot.name());
         value["notes"] = json!(notes);
+        let mut warnings = self.warnings.clone();
+        if let [one] = answers.as_slice() {
+            warnings.extend_from_slice(&one.warnings);
+        }
+        value["warnings"] = json!(warnings);
         value["pairs"] = match self.collision {
             Ok(collision) => self.arguments.pairs.json(collision, contacts),
             Err(_) => Value::Null,

@@ -52,6 +52,14 @@ impl Apart {
                 Ok((pair("--pair-padding", names)?, metres))
             })
             .collect::<Result<_>>()?;
+        let pair_padding: Vec<((String, String), f64)> = pair_padding;
+        for (n, ((a, b), _)) in pair_padding.iter().enumerate() {
+            let again =
+                |((c, d), _): &&((String, String), f64)| (a == c && b == d) || (a == d && b == c);
+            if pair_padding[..n].iter().any(|other| again(&other)) {
+                return Err(twice(&format!("--pair-padding {a}:{b}")));
+            }
+        }
         Ok(CollisionOptions {
             left_out: pairs("--leave-out", &self.leave_out)?,
             kept: pairs("--keep", &self.keep)?,
@@ -60,6 +68,11 @@ impl Apart {
             ..reading.collision(robot)?
         })
     }
+}
+
+/// Of two values the last would win, and nobody would know.
+pub(super) fn twice(what: &str) -> Error {
+    Error::new(ErrorKind::Setting, format!("{what} twice")).expected("once")
 }
 
 fn pair(option: &str, text: &str) -> Result<(String, String)> {
@@ -150,6 +163,9 @@ impl Demands {
                     let joint = joints
                         .index(joint.trim())
                         .map_err(|e| e.at(format!("--tolerance {text}")))?;
+                    if own[joint].is_some() {
+                        return Err(twice(&format!("--tolerance {}", joints.name(joint))));
+                    }
                     own[joint] = Some(parse_position(
                         value,
                         robot.joint(joint).kind,

@@ -129,7 +129,7 @@ pub fn main() -> ExitCode {
 }
 
 fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    let bytes = crate::document::bytes(path)?;
     String::from_utf8(bytes).map_err(|_| {
         Error::new(ErrorKind::Syntax, "text that is not UTF-8").at(path.display().to_string())
     })

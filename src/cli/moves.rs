@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 use serde::Deserialize;
 
+use super::demands::twice;
 use super::read_wave_text;
 use super::robot::RobotArguments;
 use crate::collision::Evidence;
@@ -58,6 +59,9 @@ enum Held {
     Moves(Vec<(String, Waypoints)>),
 }
 
+/// The motion of the robot's joints that a file becomes, as a certificate names it.
+pub(super) const JOINT_MOTION: &str = "joint motion";
+
 /// What tells one JSON from another.
 #[derive(Deserialize)]
 struct Header {
@@ -74,9 +78,8 @@ impl MoveArguments {
         target: &RobotArguments,
     ) -> Vec<(String, Result<Loaded>)> {
         let name = path.display().to_string();
-        let read = std::fs::read(path)
-            .map_err(|e| Error::io(path, &e))
-            .and_then(|bytes| Ok((self.read(path, &bytes)?, bytes)));
+        let read =
+            crate::document::bytes(path).and_then(|bytes| Ok((self.read(path, &bytes)?, bytes)));
         let (held, bytes) = match read {
             Ok(read) => read,
             Err(error) => return vec![(name, Err(error))],
@@ -97,7 +100,10 @@ impl MoveArguments {
                     let loaded = self
                         .spline(&waypoints, robot, target)
                         .map(|loaded| Loaded {
-                            evidence: vec![evidence.clone()],
+                            evidence: [evidence.clone()]
+                                .into_iter()
+                                .chain(loaded.evidence)
+                                .collect(),
                             ..loaded
                         })
                         .map_err(|e| e.at(name.clone()));
@@ -192,11 +198,20 @@ impl MoveArguments {
         )?;
         let (map, map_evidence) = target.map(wave.joints())?;
         let wave = map.apply(wave, robot)?;
+        let wave_text = wave.to_json();
         Ok(Loaded {
             course: Course::Wave(Box::new(wave)),
             warnings: Vec::new(),
             held: Vec::new(),
-            evidence: std::iter::once(evidence).chain(map_evidence).collect(),
+            evidence: [evidence]
+                .into_iter()
+                .chain(map_evidence)
+                .chain([Evidence::new(
+                    JOINT_MOTION,
+                    "as it is run",
+                    wave_text.as_bytes(),
+                )])
+                .collect(),
         })
     }
 
@@ -229,6 +244,9 @@ impl MoveArguments {
         let mut stated = vec![false; joints.len()];
         for text in &self.at {
             let (joint, position) = posture(text, robot)?;
+            if stated[joint] {
+                return Err(twice(&format!("--at {}", joints.name(joint))));
+            }
             hold[joint] = position;
             stated[joint] = true;
         }
@@ -241,8 +259,13 @@ impl MoveArguments {
             held: unnamed
                 .map(|j| (joints.name(j).to_owned(), hold[j]))
                 .collect(),
+            // Which motion of the file, in which unit, from which posture: all that is in what it becomes.
+            evidence: vec![Evidence::new(
+                JOINT_MOTION,
+                "as it is run",
+                format!("{spline:?}").as_bytes(),
+            )],
             course: Course::Move(Box::new(spline)),
-            evidence: Vec::new(),
         })
     }
 

@@ -133,7 +133,7 @@ fn evidence(what: &str, path: &Path) -> Result<Evidence> {
             .expected("a file that can be read again when the certificate is verified")
             .at(name));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    let bytes = crate::document::bytes(path)?;
     Ok(Evidence::new(what, &name, &bytes))
 }
 

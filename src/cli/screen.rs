@@ -196,7 +196,7 @@ fn is_model(path: &Path) -> bool {
     struct Header {
         format: String,
     }
-    let bytes = std::fs::read(path).unwrap_or_default();
+    let bytes = crate::document::bytes(path).unwrap_or_default();
     serde_json::from_slice::<Header>(&bytes).is_ok_and(|h| h.format == "undulate model")
 }
 

@@ -6,14 +6,14 @@ use clap::Args;
 use serde_json::json;
 
 use super::demands::Apart;
-use super::moves::{Course, Loaded, MoveArguments};
+use super::moves::{Course, JOINT_MOTION, Loaded, MoveArguments};
 use super::robot::RobotArguments;
 use super::{Outcome, output, read_text};
 use crate::collision::{Certificate, CollisionModel, Evidence};
 use crate::error::{Error, ErrorKind, Result};
 
 /// What every certificate of `check` names.
-const NEEDED: [&str; 2] = ["urdf", "motion"];
+const NEEDED: [&str; 3] = ["urdf", "motion", JOINT_MOTION];
 
 /// Verify a certificate again, by other means.
 #[derive(Args)]
@@ -144,6 +144,12 @@ fn compare(rests_on: &[Evidence], given: &[Evidence]) -> Option<String> {
                     "the certificate rests on the {what} `{}`, and none is given",
                     named.name
                 ));
+            }
+            Some(found) if found.sha256 != named.sha256 && *what == JOINT_MOTION => {
+                return Some(
+                    "the file makes another motion of the joints than the certificate is of: give the same --motion, --at and --degrees as to `check`"
+                        .to_owned(),
+                );
             }
             Some(found) if found.sha256 != named.sha256 => {
                 return Some(format!(

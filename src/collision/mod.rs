@@ -33,6 +33,7 @@ use nalgebra::Isometry3;
 use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::Joints;
 use crate::geometry::Solid;
+use crate::motion::Motion;
 use crate::robot::Robot;
 use displacement::Chains;
 use frames::Frames;
@@ -43,6 +44,9 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// No robot has more, and memory grows with them.
 const MOST_PAIRS: usize = 200_000;
+
+/// Convex shapes of one link with those of another, over all pairs: a search holds something of each.
+const MOST_CONVEX_PAIRS: usize = 1_000_000;
 
 /// What pairs are checked and how closely, where the default is not what is wanted.
 #[derive(Debug, Clone, Default)]
@@ -143,6 +147,17 @@ impl CollisionModel {
             let last = first_convex_pair[first_convex_pair.len() - 1];
             first_convex_pair.push(last + count(pair.parts.0) * count(pair.parts.1));
         }
+        let convex_pairs = first_convex_pair[pairs.len()];
+        if convex_pairs > MOST_CONVEX_PAIRS {
+            return Err(here(
+                Error::new(
+                    ErrorKind::Unsupported,
+                    format!("{convex_pairs} pairs of shapes of different links"),
+                )
+                .expected(format!("at most {MOST_CONVEX_PAIRS}"))
+                .help("give links fewer shapes: hulls that enclose several"),
+            ));
+        }
         let size = frames.reach() + parts.iter().map(Part::reach).fold(0.0, f64::max);
         let rounding = ROUNDING * (frames.bodies() as f64) * size;
         let mut model = Self {
@@ -167,14 +182,63 @@ impl CollisionModel {
             }
             model.checked = model.those_checked();
         }
+        let carried = pairs::neighbours(robot);
         for pair in model.checker().touching(&robot.rest()) {
+            let (a, b) = model.pairs[pair].names.clone();
+            let kept = |(c, d): &(String, String)| (*c == a && *d == b) || (*c == b && *d == a);
+            // Links of several joints in one place, as of a wrist, are in each other by design.
+            if carried.contains(&(a.as_str(), b.as_str())) && !options.kept.iter().any(kept) {
+                model.pairs[pair].status = PairStatus::Adjacent;
+                continue;
+            }
             match &mut model.pairs[pair].status {
                 status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
                 PairStatus::Rigid { touching } => *touching = true,
                 _ => {}
             }
         }
+        model.checked = model.those_checked();
         Ok(model)
+    }
+
+    /// The same with the pairs checked that an SRDF disables, and no others; `None` when it disables none.
+    fn of_disabled(&self) -> Result<Option<Self>> {
+        let mut model = self.clone();
+        for pair in &mut model.pairs {
+            pair.status = match pair.status {
+                PairStatus::Disabled { .. } => PairStatus::Checked,
+                PairStatus::Checked | PairStatus::TouchingAtRest => PairStatus::LeftOut,
+                _ => continue,
+            };
+        }
+        model.checked = model.those_checked();
+        if model.checked.is_empty() {
+            return Ok(None);
+        }
+        model.chains = Chains::new(&model.frames, &model.parts, &model.pairs)?;
+        Ok(Some(model))
+    }
+
+    /// Where a motion makes links touch that an SRDF says need not be kept apart, a moment each pair: an SRDF may be of another robot, or wrong.
+    ///
+    /// # Errors
+    /// When the motion is not of the robot's joints.
+    pub fn disabled_collisions<M: Motion>(&self, motion: &M) -> Result<Vec<Moment>> {
+        let mut found = Vec::new();
+        let Some(mut model) = self.of_disabled()? else {
+            return Ok(found);
+        };
+        while !model.checked.is_empty() {
+            let Certification::Collides { witness, .. } = model.certify(motion, 0.0, &[])? else {
+                break;
+            };
+            for pair in model.pairs.iter_mut().filter(|p| p.names == witness.pair) {
+                pair.status = PairStatus::LeftOut;
+            }
+            model.checked = model.those_checked();
+            found.push(witness);
+        }
+        Ok(found)
     }
 
     fn those_checked(&self) -> Vec<usize> {

@@ -13,7 +13,8 @@ pub enum PairStatus {
     /// It is checked, although it touches in the rest configuration already: no motion that comes by there will pass. The
     /// shapes are too large, or the pair should be left out.
     TouchingAtRest,
-    /// Not checked: one carries the other, by a joint or with links without shapes between, and their shapes overlap by design.
+    /// Not checked: one carries the other by a joint, and their shapes may overlap by design; or by several, with links without shapes between, and
+    /// they do overlap at rest.
     Adjacent,
     /// Not checked: no joint lies between, so they never move against each other.
     Rigid {
@@ -81,7 +82,10 @@ pub(super) fn pairs(
             let names = (parts[a].name.clone(), parts[b].name.clone());
             let status = if parts[a].body == parts[b].body {
                 PairStatus::Rigid { touching: false }
-            } else if a >= scene && neighbours.contains(&(names.0.as_str(), names.1.as_str())) {
+            } else if a >= scene
+                && neighbours.contains(&(names.0.as_str(), names.1.as_str()))
+                && robot.bodies()[parts[b].body].parent == parts[a].body
+            {
                 PairStatus::Adjacent
             } else {
                 PairStatus::Checked
@@ -127,6 +131,15 @@ pub(super) fn pairs(
         Error::new(ErrorKind::Setting, format!("{wish} {a} and {b}: {why}"))
     };
     let without = "they are no two links or objects of which both have shapes and one is a link's";
+    let same =
+        |a: &&(String, String), b: &(String, String)| **a == *b || (a.0 == b.1 && a.1 == b.0);
+    if let Some(names) = options
+        .kept
+        .iter()
+        .find(|kept| options.left_out.iter().any(|out| same(kept, out)))
+    {
+        return Err(refuse("to check", names, "it is to be left out as well"));
+    }
     for names in &options.left_out {
         each(names, &|pair| {
             pair.status = PairStatus::LeftOut;
@@ -180,7 +193,7 @@ pub(super) fn pairs(
 }
 
 /// Links with shapes, each after the next link with shapes on its way to the base: siblings on a link without are none.
-fn neighbours(robot: &Robot) -> Vec<(&str, &str)> {
+pub(super) fn neighbours(robot: &Robot) -> Vec<(&str, &str)> {
     let links = robot.links();
     let mut has_shapes = vec![false; links.len()];
     for solid in robot.bodies().iter().flat_map(|b| &b.collision) {

@@ -44,7 +44,7 @@ impl Recording {
     /// # Errors
     /// Those of `from_csv`, and when the file cannot be read.
     pub fn open(path: &Path, options: &CsvOptions) -> Result<Self> {
-        let text = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+        let text = crate::document::bytes(path)?;
         Self::from_csv(&path.display().to_string(), &text, options)
     }
 

@@ -167,7 +167,7 @@ impl Reason {
             ),
             Self::NoCollisionGeometry => (
                 "no-collision-geometry",
-                "a link that moves has no collision geometry that could be checked",
+                "no two things have collision geometry, or that of a link could not be read",
             ),
             Self::UnknownJoint => (
                 "unknown-joint",

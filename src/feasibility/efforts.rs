@@ -6,7 +6,8 @@ use crate::fourier::{Interval, State};
 use crate::motion::{Motion, Tube};
 use crate::robot::{BodyJoint, Dynamics, GRAVITY, JointKind, Robot};
 
-/// Samples on each piece of a motion: a piece is about half a cycle of its highest harmonic, and torques have twice its frequency.
+/// Samples on each piece of a motion: a piece is about half a cycle of its highest harmonic, and torques have twice its frequency; or a segment of
+/// a spline, a polynomial.
 const SAMPLES: usize = 12;
 /// Parabolas that are laid through a peak, one after the other.
 const PARABOLAS: usize = 4;
@@ -64,7 +65,7 @@ pub fn efforts<M: Motion>(robot: &Robot, motion: &M) -> Result<Vec<EffortUse>> {
     robot.require_joints(motion.joints())?;
     robot.require_dynamics()?;
     let mut pieces = Vec::new();
-    motion.tube().pieces(&mut pieces);
+    motion.tube().smooth_pieces(&mut pieces);
     let times: Vec<(f64, f64)> = pieces
         .iter()
         .flat_map(|(middle, half)| {

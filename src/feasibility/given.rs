@@ -152,17 +152,16 @@ impl JointLimits {
             (Some(a), Some(b)) => Some(a.min(b)),
             (a, b) => a.or(b),
         };
-        let position = match (robot.position, self.every.position) {
+        let every = &self.every;
+        let position = match (own.position.or(robot.position), every.position) {
             // Empty when they exclude each other: nothing passes then.
             (Some(a), Some(b)) => Some(a.intersect(b)),
             (a, b) => a.or(b),
         };
         JointLimit {
-            position: own.position.or(position),
-            velocity: own.velocity.or(least(robot.velocity, self.every.velocity)),
-            acceleration: own
-                .acceleration
-                .or(least(robot.acceleration, self.every.acceleration)),
+            position,
+            velocity: least(own.velocity.or(robot.velocity), every.velocity),
+            acceleration: least(own.acceleration.or(robot.acceleration), every.acceleration),
         }
     }
 }
@@ -186,7 +185,9 @@ mod tests {
             .with(None, speed(2.0))
             .unwrap();
         let of = |joint, robot| limits.over(joint, robot).velocity;
-        assert_eq!(of("a", speed(1.0)), Some(9.0));
+        assert_eq!(of("a", speed(1.0)), Some(2.0));
+        let own = JointLimits::default().with(Some("a"), speed(9.0)).unwrap();
+        assert_eq!(own.over("a", speed(1.0)).velocity, Some(9.0));
         assert_eq!(of("b", speed(1.0)), Some(1.0));
         assert_eq!(of("b", speed(3.0)), Some(2.0));
         assert_eq!(of("b", JointLimit::default()), Some(2.0));

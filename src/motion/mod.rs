@@ -58,6 +58,11 @@ pub trait Tube {
     /// enough to be quick, short enough that [`over_lanes`](Self::over_lanes) is tight. Neighbours share an end.
     fn pieces(&self, pieces: &mut Vec<(f64, f64)>);
 
+    /// The same for who samples: as many as it takes for nothing to happen between a dozen samples on each.
+    fn smooth_pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+        self.pieces(pieces);
+    }
+
     /// For each joint a position and a radius \[rad, m\] such that |q(t) - position| <= radius while |t - `middle`| <= `half` \[s\],
     /// and a few machine epsilons of the duration beyond, so that neighbours overlap whatever their ends were rounded to.
     ///

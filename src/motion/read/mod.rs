@@ -65,7 +65,7 @@ impl Waypoints {
     /// # Errors
     /// Those of `read`, and when the file cannot be read.
     pub fn open(path: &Path, options: &MoveOptions) -> Result<Self> {
-        let text = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+        let text = crate::document::bytes(path)?;
         Self::read(&path.display().to_string(), &text, options)
     }
 }

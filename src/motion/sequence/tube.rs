@@ -48,8 +48,8 @@ impl<'a> SequenceTube<'a> {
     }
 }
 
-impl Tube for SequenceTube<'_> {
-    fn pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+impl SequenceTube<'_> {
+    fn pieces_by(&self, smooth: bool, pieces: &mut Vec<(f64, f64)>) {
         let mut own = Vec::new();
         for ((tube, leg), start) in self
             .tubes
@@ -59,6 +59,7 @@ impl Tube for SequenceTube<'_> {
         {
             own.clear();
             match (tube, leg) {
+                (LegTube::Move(tube), _) if smooth => tube.smooth_pieces(&mut own),
                 (LegTube::Move(tube), _) => tube.pieces(&mut own),
                 (LegTube::Wave(tube, _), Leg::Wave { wave, duration, .. }) => {
                     tube.pieces(&mut own);
@@ -75,7 +76,16 @@ impl Tube for SequenceTube<'_> {
             pieces.extend(own.iter().map(|(middle, half)| (start + middle, *half)));
         }
     }
+}
 
+impl Tube for SequenceTube<'_> {
+    fn pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+        self.pieces_by(false, pieces);
+    }
+
+    fn smooth_pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+        self.pieces_by(true, pieces);
+    }
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
         let sequence = self.sequence;
         let half = self.widened(half.abs());

@@ -109,6 +109,12 @@ impl Tube for SplineTube<'_> {
         }
     }
 
+    /// A spline may do something else on every segment.
+    fn smooth_pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+        let ends = self.spline.knots.windows(2);
+        pieces.extend(ends.map(|w| (w[0] + (w[1] - w[0]) / 2.0, (w[1] - w[0]) / 2.0)));
+    }
+
     fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
         let spline = self.spline;
         let duration = spline.duration();

@@ -17,6 +17,35 @@ const LEAVES: [&str; 14] = [
     "sphere", "cylinder", "capsule", "mesh",
 ];
 
+/// What elements are read of, and what of them.
+const READ: [(&str, &[&str]); 6] = [
+    ("link", &["inertial", "visual", "collision"]),
+    (
+        "joint",
+        &[
+            "origin",
+            "parent",
+            "child",
+            "axis",
+            "limit",
+            "dynamics",
+            "mimic",
+            "calibration",
+            "safety_controller",
+        ],
+    ),
+    ("inertial", &["origin", "mass", "inertia"]),
+    ("visual", &["origin", "geometry", "material"]),
+    ("collision", &["origin", "geometry"]),
+    (
+        "geometry",
+        &["box", "sphere", "cylinder", "capsule", "mesh"],
+    ),
+];
+
+/// What is so few letters away from a name is a slip of the pen, and a shape or an axis that would be missed.
+const SLIP: usize = 2;
+
 /// The numbers of <inertia>.
 const INERTIA: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
 
@@ -25,6 +54,35 @@ const MOST_SHAPES: usize = 1024;
 
 /// Findings that are told with their line.
 const MOST_LINES: usize = 100;
+
+/// What an element in another is taken for, whose name is nearly right.
+fn meant(parent: &str, tag: &str) -> Option<&'static str> {
+    let (_, read) = READ.iter().find(|(of, _)| *of == parent)?;
+    if read.contains(&tag) {
+        return None;
+    }
+    let near = |name: &&&str| {
+        let slip = SLIP.min(name.len() / 3);
+        name.len().abs_diff(tag.len()) <= slip && edits(name, tag) <= slip
+    };
+    read.iter().find(near).copied()
+}
+
+/// Letters to insert, drop or change (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b = b.as_bytes();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.bytes().enumerate() {
+        let mut corner = row[0];
+        row[0] = i + 1;
+        for j in 0..b.len() {
+            let changed = corner + usize::from(letter != b[j]);
+            corner = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(corner + 1);
+        }
+    }
+    row[b.len()]
+}
 
 impl<'a> Xml<'a> {
     /// Below a link or joint, leaves have no children, and elements that are read once are there once. What others have
@@ -35,6 +93,13 @@ impl<'a> Xml<'a> {
             let mut seen = HashSet::new();
             for child in element.children().filter(Node::is_element) {
                 let tag = child.tag_name().name();
+                if child.tag_name().namespace().is_none()
+                    && let Some(meant) = meant(element.tag_name().name(), tag)
+                {
+                    return Err(self
+                        .refuse(child, format!("<{}>", listed(&[tag])))
+                        .expected(format!("<{meant}>")));
+                }
                 let is_leaf = LEAVES.contains(&tag);
                 if is_leaf && child.children().any(|c| c.is_element()) {
                     return Err(self
