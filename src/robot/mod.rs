@@ -22,6 +22,7 @@ mod urdf;
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3};
 
 pub use dynamics::{Dynamics, GRAVITY};
+#[cfg(feature = "simulation")]
 pub(crate) use dynamics::{factorise, solve};
 use kinematics::Step;
 pub use kinematics::{Frame, Kinematics, Twist};

@@ -34,26 +34,4 @@ impl Dynamics {
             })
             .sum()
     }
-    /// Kinetic and potential energy \[J\] of the configuration that [`forward`](Self::forward) was asked about last, at
-    /// velocity `v`: from the mass matrix and the composite bodies that it left, for next to nothing.
-    pub(crate) fn energies(&self, robot: &Robot, v: &[f64], gravity: &Vector3<f64>) -> [f64; 2] {
-        let mut kinetic = 0.0;
-        for (i, a) in v.iter().enumerate() {
-            let row: f64 = v[..i]
-                .iter()
-                .zip(self.mass.row(i).iter())
-                .map(|(b, m)| b * m)
-                .sum();
-            kinetic += a * (row + 0.5 * self.mass[(i, i)] * a);
-        }
-        let on_base = robot.steps.iter().enumerate().skip(1);
-        let potential = on_base
-            .filter(|(_, step)| step.parent == 0)
-            .map(|(i, _)| {
-                let (all, frame) = (&self.composites[i], &self.placed[i]);
-                -gravity.dot(&(frame.origin * all.mass + frame.rotation * all.moment))
-            })
-            .sum();
-        [kinetic, potential]
-    }
 }

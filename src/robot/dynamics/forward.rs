@@ -36,17 +36,6 @@ impl Dynamics {
         solve(&self.factor, &mut self.accelerations);
         Ok(&self.accelerations)
     }
-
-    /// Makes of `forces` what they add to the accelerations of the configuration that [`forward`](Self::forward) was asked about
-    /// last: M(q)^-1 times them.
-    pub(crate) fn respond(&self, forces: &mut [f64]) {
-        solve(&self.factor, forces);
-    }
-
-    /// The mass matrix of that configuration.
-    pub(crate) fn last_mass_matrix(&self) -> &DMatrix<f64> {
-        &self.mass
-    }
 }
 
 #[cold]

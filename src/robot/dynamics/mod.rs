@@ -8,13 +8,16 @@ mod forward;
 mod inertia;
 mod inverse;
 mod mass_matrix;
+#[cfg(feature = "simulation")]
+mod stepping;
 
 use nalgebra::{DMatrix, Vector3};
 
-pub(crate) use forward::{factorise, solve};
 pub(super) use inertia::SpatialInertia;
 use inertia::Wrench;
 pub(super) use mass_matrix::mass_diagonal;
+#[cfg(feature = "simulation")]
+pub(crate) use stepping::{factorise, solve};
 
 use super::Robot;
 use super::kinematics::{Frame, Kinematics};
