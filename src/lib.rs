@@ -147,8 +147,9 @@ pub use demonstration::{
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]
 pub use feasibility::{
-    CheckOptions, JointLimit, JointLimits, LimitSource, LimitUse, Verdict, limits, limits_with,
-    without_velocity_limit,
+    Assessment, Bounded, Change, CheckOptions, EffortUse, JointLimit, JointLimits, LimitSource,
+    LimitUse, Means, Mended, Passages, Performance, Plan, Planner, Player, Verdict, Worst, efforts,
+    limits, limits_with, mend, without_velocity_limit,
 };
 pub use fourier::{
     Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
@@ -162,8 +163,8 @@ pub use geometry::{
 };
 #[cfg(feature = "robot")]
 pub use motion::{
-    Degree, Jump, Motion, MoveOptions, PlayMotion, Spline, SplineTube, StartPosture, Tube,
-    TubeRows, WaveTube, Waypoint, Waypoints,
+    Degree, Jump, Leg, Motion, MoveOptions, PlayMotion, Sequence, SequenceTube, Spline, SplineTube,
+    StartPosture, Tube, TubeRows, WaveTube, Waypoint, Waypoints,
 };
 pub use posterior::Diagnostics;
 pub use primitive::{
@@ -175,7 +176,9 @@ pub use primitive::{
 };
 pub use proportion::clopper_pearson;
 #[cfg(feature = "robot")]
-pub use retarget::{JointMap, Source};
+pub use retarget::{
+    DirectionFit, JointMap, Person, Residual, RobotArm, Segment, ShoulderOrder, Source,
+};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,
@@ -213,7 +216,10 @@ const _: () = {
         shared::<CollisionModel>();
         shared::<JointMap>();
         shared::<Verdict>();
+        shared::<Plan>();
+        shared::<Player>();
         shared::<Spline>();
+        shared::<Sequence>();
         shared::<PlayMotion>();
         shared::<JointLimits>();
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Joints;
-use crate::retarget::{JointMap, Source};
+use crate::retarget::{JointMap, RobotArm, Source};
 use crate::robot::{LoadOptions, MeshFiles, Robot};
 
 /// Name and URDF of each shipped robot.
@@ -116,6 +116,26 @@ const MAPS: [(&str, &str, &str); 8] = [
     ),
 ];
 
+/// Of each shipped robot, where its arm points.
+const ARMS: [(&str, &str); ROBOTS.len()] = [
+    (
+        "wave_arm",
+        include_str!("../robots/wave_arm_directions.toml"),
+    ),
+    (
+        "wave_arm_left",
+        include_str!("../robots/wave_arm_left_directions.toml"),
+    ),
+    (
+        "table_arm",
+        include_str!("../robots/table_arm_directions.toml"),
+    ),
+    (
+        "column_arm",
+        include_str!("../robots/column_arm_directions.toml"),
+    ),
+];
+
 /// The names of the shipped robots.
 pub fn robots() -> impl Iterator<Item = &'static str> {
     ROBOTS.iter().map(|(name, _)| *name)
@@ -163,6 +183,24 @@ pub fn map(name: &str) -> Result<JointMap> {
             .expected(format!("one of {}", maps().collect::<Vec<_>>().join(", ")))
     })?;
     JointMap::from_toml(toml)
+}
+
+/// What of a shipped robot, by its name, points as a person's arm does.
+///
+/// # Errors
+/// When there is none of this name.
+pub fn arm(name: &str) -> Result<RobotArm> {
+    let (_, toml) = ARMS.iter().find(|(n, _)| *n == name).ok_or_else(|| {
+        Error::new(
+            ErrorKind::Name,
+            format!("no shipped directions of `{name}`"),
+        )
+        .expected(format!(
+            "one of {}",
+            robots().collect::<Vec<_>>().join(", ")
+        ))
+    })?;
+    RobotArm::from_toml(toml)
 }
 
 /// The URDF text of a shipped robot; what a certificate takes the fingerprint of.
@@ -215,6 +253,9 @@ mod tests {
             robot.require_dynamics().unwrap();
             assert_eq!(robot.name(), name);
             assert!(robot.notes().is_empty(), "{:?}", robot.notes());
+            let arm = arm(name).unwrap();
+            let directions = arm.directions(&robot, &robot.rest()).unwrap();
+            assert_eq!(directions.len(), 4, "{name}");
         }
         let found = |joints: &[&str]| {
             let joints = Joints::new(joints.iter().copied()).unwrap();

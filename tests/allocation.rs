@@ -3,8 +3,12 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use undulate::nalgebra::Point3;
-use undulate::{Dynamics, Frame, GRAVITY, Kinematics, shipped};
+use undulate::nalgebra::{DMatrix, DVector, Point3};
+use undulate::num_complex::Complex;
+use undulate::{
+    CheckOptions, CollisionModel, CollisionOptions, Dynamics, Frame, GRAVITY, Kinematics, Planner,
+    State, Wave, shipped,
+};
 
 thread_local! {
     /// Of this thread alone: the test harness has others.
@@ -85,6 +89,34 @@ fn nothing_is_allocated_after_the_workspaces() {
         // The counter counts.
         assert!(count(|| drop(Dynamics::new(&robot))) > 5);
     }
+}
+
+#[test]
+fn a_player_allocates_nothing_while_it_plays_and_stops() {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let collision = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+    let mut weights = DMatrix::zeros(6, 1);
+    weights[(3, 0)] = Complex::new(0.1, 0.0);
+    let offsets = DVector::from_element(6, 0.4);
+    let wave = Wave::new(robot.joints().clone(), 1.0, offsets, weights).unwrap();
+    let options = CheckOptions::default();
+    let mut planner = Planner::new(&robot, &collision, options, 1e-3).unwrap();
+    let mut player = planner.start(&wave, &robot.rest()).unwrap();
+    let slower = planner
+        .change(&player, &wave.slowed(1.2).unwrap(), 1.0)
+        .unwrap();
+    player.take(slower).unwrap();
+    let mut state = State::zeros(6);
+    let count = count(|| {
+        for _ in 0..5000 {
+            player.tick(&mut state);
+        }
+        player.stop();
+        while !player.has_stopped() {
+            player.tick(&mut state);
+        }
+    });
+    assert_eq!(count, 0);
 }
 
 /// A longer rollout takes larger tables, and no more of them.

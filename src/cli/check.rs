@@ -11,7 +11,8 @@ use super::pairs::{self, PairArguments};
 use super::robot::{Reading, RobotArguments, tell_notes};
 use super::trajectory::Form;
 use super::verdict::{
-    codes, collision_json, collision_words, limit_json, limit_source, limit_table,
+    codes, collision_json, collision_words, effort_table, efforts_json, limit_json, limit_source,
+    limit_table,
 };
 use super::{Outcome, output};
 use crate::collision::{Certificate, Certification, CollisionModel, PairContacts, ProfileInterval};
@@ -178,6 +179,9 @@ fn look(arguments: &Arguments, json: bool) -> Result<Result<Outcome>> {
             "no velocity limit is known of {}: give one with --max-velocity or --limits",
             unlimited.join(", ")
         ));
+    }
+    if let Err(error) = robot.require_dynamics() {
+        output::warn(format!("efforts are not looked at: {error}"));
     }
     let shapeless = pairs::without_shapes(&robot);
     if !shapeless.is_empty() {
@@ -351,6 +355,7 @@ impl Gate<'_> {
             "warnings": answer.warnings,
             "held": answer.held.iter().map(|(j, p)| (j.clone(), json!(p))).collect::<serde_json::Map<_, _>>(),
             "limits": answer.limits.iter().map(limit_json).collect::<Vec<_>>(),
+            "efforts": answer.verdict.as_ref().map(efforts_json),
             "collision": answer.verdict.as_ref().map(|v| collision_json(v, self.options, self.robot.joints())),
             "error": answer.error.as_ref().map(ToString::to_string),
         })
@@ -371,6 +376,9 @@ impl Gate<'_> {
         }
         if !answer.limits.is_empty() {
             lines.push(limit_table(&answer.limits));
+        }
+        if let Some(efforts) = answer.verdict.as_ref().and_then(|v| v.efforts.as_ref()) {
+            lines.push(effort_table(efforts));
         }
         if let (Some(verdict), Ok(collision)) = (&answer.verdict, self.collision) {
             let pairs = collision.pairs();

@@ -1,5 +1,6 @@
 //! The command line: arguments, files, progress, words. Only this module prints.
 
+mod assess;
 mod assumptions;
 mod check;
 mod compare_estimators;
@@ -8,12 +9,16 @@ mod condition;
 mod demands;
 mod describe;
 mod execution;
+mod export;
+mod fit;
 mod learn;
 mod learn_cycle;
 mod map;
+mod mend;
 mod moves;
 mod output;
 mod pairs;
+mod perform;
 mod recordings;
 mod reproduce;
 mod robot;
@@ -65,10 +70,16 @@ enum Verb {
     Sample(sample::Arguments),
     Trajectory(trajectory::Arguments),
     Check(check::Arguments),
+    Mend(mend::Arguments),
+    Perform(perform::Arguments),
     Verify(verify::Arguments),
     Screen(screen::Arguments),
+    Assess(assess::Arguments),
+    Merge(assess::MergeArguments),
     Simulate(simulate::Arguments),
     Map(map::Arguments),
+    Fit(fit::Arguments),
+    Export(export::Arguments),
     Robot(describe::Arguments),
 }
 
@@ -91,10 +102,16 @@ pub fn main() -> ExitCode {
         Verb::Sample(arguments) => sample::run(arguments, cli.json),
         Verb::Trajectory(arguments) => trajectory::run(arguments, cli.json),
         Verb::Check(arguments) => check::run(arguments, cli.json),
+        Verb::Perform(arguments) => perform::run(arguments, cli.json),
+        Verb::Mend(arguments) => mend::run(arguments, cli.json),
         Verb::Verify(arguments) => verify::run(arguments, cli.json),
         Verb::Screen(arguments) => screen::run(arguments, cli.json),
+        Verb::Assess(arguments) => assess::run(arguments, cli.json),
+        Verb::Merge(arguments) => assess::merge(arguments, cli.json),
         Verb::Simulate(arguments) => simulate::run(arguments, cli.json),
         Verb::Map(arguments) => map::run(arguments, cli.json),
+        Verb::Fit(arguments) => fit::run(arguments, cli.json),
+        Verb::Export(arguments) => export::run(arguments, cli.json),
         Verb::Robot(arguments) => describe::run(arguments, cli.json),
     };
     match result {
@@ -122,6 +139,10 @@ fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
         e.help("`undulate learn` writes a model file")
             .at(path.display().to_string())
     })
+}
+
+fn read_wave(path: &Path) -> Result<Wave> {
+    read_wave_text(path, &read_text(path)?)
 }
 
 fn read_wave_text(path: &Path, text: &str) -> Result<Wave> {

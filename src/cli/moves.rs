@@ -283,7 +283,7 @@ impl MoveArguments {
 }
 
 /// `JOINT=ANGLE`, or a length for a joint that slides.
-fn posture(text: &str, robot: &Robot) -> Result<(usize, f64)> {
+pub(super) fn posture(text: &str, robot: &Robot) -> Result<(usize, f64)> {
     let (joint, position) = text.split_once('=').ok_or_else(|| {
         Error::new(ErrorKind::Setting, format!("--at {text}")).expected("JOINT=ANGLE")
     })?;

@@ -138,7 +138,7 @@ fn evidence(what: &str, path: &Path) -> Result<Evidence> {
 }
 
 /// Whether a URDF may be read there: a pipe will do too.
-fn is_file(path: &Path) -> bool {
+pub(super) fn is_file(path: &Path) -> bool {
     path.metadata().is_ok_and(|m| !m.is_dir())
 }
 

@@ -243,6 +243,12 @@ impl Gate {
             .iter()
             .filter(|limit| limit.excess() > 0.0)
             .max_by(|a, b| a.excess().total_cmp(&b.excess()));
+        let weak = verdict.efforts.iter().flatten();
+        if let Some(effort) = weak.max_by(|a, b| a.excess().total_cmp(&b.excess()))
+            && effort.excess() > 0.0
+        {
+            return Ok(Some(format!("`{}` is too weak", effort.joint)));
+        }
         Ok(Some(match (broken, &verdict.collision) {
             (Some(limit), _) => {
                 let quantity = match limit.quantity {

@@ -6,7 +6,7 @@ use super::output;
 use super::simulate::units;
 use crate::collision::{Certification, MinimumClearance, Moment, Stretch};
 use crate::error::Reason;
-use crate::feasibility::{CheckOptions, LimitSource, LimitUse, Verdict};
+use crate::feasibility::{CheckOptions, EffortUse, LimitSource, LimitUse, Verdict};
 use crate::fourier::{Derivative, Interval, Joints};
 use crate::robot::JointKind;
 
@@ -30,6 +30,54 @@ pub(super) fn limit_json(limit: &LimitUse) -> Value {
         "time_s": limit.worst_time(),
         "reason": limit.reason().map(Reason::code),
     })
+}
+
+/// What a motion takes of the efforts, where that was looked at.
+pub(super) fn efforts_json(verdict: &Verdict) -> Value {
+    let entry = |effort: &EffortUse| {
+        json!({
+            "joint": effort.joint,
+            "unit": units(effort.kind).2,
+            "estimate": [effort.range.lower, effort.range.upper],
+            "limit": effort.limit,
+            "excess": effort.excess(),
+            "time_s": effort.worst_time(),
+            "reason": effort.reason().map(Reason::code),
+        })
+    };
+    json!(
+        verdict
+            .efforts
+            .as_ref()
+            .map(|all| all.iter().map(entry).collect::<Vec<_>>())
+    )
+}
+
+pub(super) fn effort_table(efforts: &[EffortUse]) -> String {
+    let rows: Vec<Vec<String>> = efforts
+        .iter()
+        .map(|effort| {
+            let unit = units(effort.kind).2;
+            let Interval { lower, upper } = effort.range;
+            vec![
+                effort.joint.clone(),
+                format!("{lower:.2} .. {upper:.2} {unit}"),
+                effort.limit.map_or("none given".to_owned(), |limit| {
+                    format!("{limit:.2} {unit}")
+                }),
+                match effort.limit {
+                    None => String::new(),
+                    Some(_) if effort.excess() == 0.0 => "ok".to_owned(),
+                    Some(_) => format!(
+                        "exceeded by {:.2e} at {:.3} s",
+                        effort.excess(),
+                        effort.worst_time()
+                    ),
+                },
+            ]
+        })
+        .collect();
+    output::table(&["joint", "effort (estimated)", "limit", ""], &rows)
 }
 
 /// What the proof and the search for the smallest clearance came to.

@@ -229,8 +229,8 @@ impl CollisionModel {
         of_scene.chain(of_links).collect()
     }
 
-    /// Of all coordinates and sizes of the shapes of links, body by body, and of the scene.
-    pub(super) fn geometry_sha256(&self, robot: &Robot) -> String {
+    /// The fingerprint of all coordinates and sizes of the shapes of links, body by body, and of the scene.
+    pub fn geometry_sha256(&self, robot: &Robot) -> String {
         let mut hash = Sha256::new();
         for (index, link) in robot.links().iter().enumerate() {
             for solid in solids(robot, index) {

@@ -223,12 +223,12 @@ impl Batch {
                 JointKind::Revolute => 1.0,
                 JointKind::Prismatic => 0.0,
             };
-            let first = match step.rows.0 {
-                Some(row) => self.rho(simd, model, rho, row),
-                None => f64x8::splat(simd, ENDLESS),
-            };
-            let first = first + girths[0] * is_turning;
             let second = self.rho(simd, model, rho, step.rows.1) + girths[1] * is_turning;
+            let first = match step.rows.0 {
+                Some(row) => self.rho(simd, model, rho, row) + girths[0] * is_turning,
+                // A half-space is endless: no joint is reckoned with it.
+                None => second,
+            };
             for i in 0..N {
                 let turn = f64x8::load_array_ref(simd, &turns[i][step.joint]);
                 sum[i] += second * turn;
@@ -329,9 +329,6 @@ impl<T> InRound<T> {
         Self { value, round: 0 }
     }
 }
-
-/// The rho of a half-space, far more than any other.
-const ENDLESS: f64 = 1e30;
 
 /// Sums and products of a few dozen numbers are below this times themselves as computed.
 pub(super) const OUTWARD: f64 = 1.0 + 64.0 * f64::EPSILON;

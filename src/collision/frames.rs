@@ -78,13 +78,9 @@ impl Frames {
                 }
             })
             .collect();
-        let lengths = robot.moving().map(|(_, joint)| {
-            let slide = match (joint.kind, joint.properties.position) {
-                (JointKind::Prismatic, Some(range)) => range.magnitude(),
-                _ => 0.0,
-            };
-            joint.origin.translation.vector.norm() + slide
-        });
+        let lengths = robot
+            .moving()
+            .map(|(_, joint)| joint.origin.translation.vector.norm());
         let reach = lengths.sum();
         Self {
             joints,
@@ -107,7 +103,7 @@ impl Frames {
         isometry(self.turns[body].inverse())
     }
 
-    /// The sum of all lengths between joints \[m\], those of prismatic joints at their longest: no origin is farther from the base.
+    /// The sum of all lengths between joints \[m\], prismatic joints at 0: with what these slide besides, no origin is farther from the base.
     pub fn reach(&self) -> f64 {
         self.reach
     }

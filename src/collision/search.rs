@@ -210,8 +210,9 @@ impl<'m> Search<'m> {
             }
             found.work.intervals += count;
             if found.work.intervals > MOST_INTERVALS {
-                for node in &nodes[..count] {
-                    found.give_up(node);
+                for (lane, node) in nodes[..count].iter().enumerate() {
+                    let open = self.lanes.iter().position(|l| l >> lane & 1 == 1);
+                    found.give_up(node, open.unwrap_or(model.checked[0]));
                 }
                 self.lanes.fill(0);
                 continue;
@@ -339,7 +340,7 @@ impl<'m> Search<'m> {
                 for convex in convexes {
                     found.work.distances += 1;
                     let between = half_space.separation_with(simd, convex.at(&placed_b));
-                    lower = lower.min(between.lower - fall);
+                    lower = least_proven(lower, between.lower - fall);
                     upper = upper.min(between.upper);
                 }
             }
@@ -357,7 +358,7 @@ impl<'m> Search<'m> {
                     if others.len() * convexes.len() > 1 {
                         let gap = rough_separation(placed_a, placed_b, warm, needed);
                         if gap > needed {
-                            lower = lower.min(gap - fall);
+                            lower = least_proven(lower, gap - fall);
                             continue;
                         }
                     }
@@ -388,12 +389,7 @@ impl<'m> Search<'m> {
                         let bends = self.batch.bends(model, at.pair, lane, half);
                         least = least.max(bends.separation(simd, placed_a, placed_b, &direction));
                     }
-                    // What is no number is no proof.
-                    lower = if least.is_nan() {
-                        f64::NEG_INFINITY
-                    } else {
-                        lower.min(least)
-                    };
+                    lower = least_proven(lower, least);
                     upper = upper.min(above);
                 }
             }
@@ -418,7 +414,7 @@ impl<'m> Search<'m> {
                 return Narrowed::Refuted;
             }
             // However narrow the interval, the tolerance alone leaves it open.
-            Goal::Above(margin) if upper - rest <= margin || fall < NARROWEST => {
+            Goal::Above(margin) if upper - rest <= margin || fall - rest < NARROWEST => {
                 return Narrowed::Undecided;
             }
             Goal::Above(_) => {}
@@ -480,6 +476,15 @@ fn scatter(pieces: &mut Vec<(f64, f64)>) {
     let scattered =
         (0..STRIDE).flat_map(|start| pieces.iter().copied().skip(start).step_by(STRIDE));
     *pieces = scattered.collect();
+}
+
+/// The lesser of two lower bounds; what is no number is no proof.
+fn least_proven(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NEG_INFINITY
+    } else {
+        a.min(b)
+    }
 }
 
 /// What became of a pair on an interval.
@@ -567,15 +572,15 @@ impl Found {
     }
 
     /// An interval that is left when enough have been looked at.
-    fn give_up(&mut self, node: &Node) {
+    fn give_up(&mut self, node: &Node, pair: usize) {
         self.undecided.push(Stretch {
             from: node.middle - node.half,
             to: node.middle + node.half,
-            pair: 0,
+            pair,
         });
         self.proven(At {
             distance: node.lower,
-            pair: 0,
+            pair,
             time: node.middle,
         });
     }

@@ -11,6 +11,7 @@ use super::{Error, ErrorKind};
 /// | `position-limit` | a joint leaves its range of positions, between waypoints included |
 /// | `velocity-limit` | a joint moves faster than it may |
 /// | `acceleration-limit` | a joint accelerates more than it may |
+/// | `effort-limit` | a joint needs more torque or force than it has, by inverse dynamics at samples |
 /// | `velocity-jump` | a joint changes its velocity at once although its acceleration is limited: linear interpolation, or a start or end in motion |
 /// | `limit-missing` | a limit that must be known is given neither by the robot nor by the caller |
 /// | `self-collision` | two links of the robot meet |
@@ -42,6 +43,8 @@ pub enum Reason {
     VelocityLimit,
     /// `acceleration-limit`
     AccelerationLimit,
+    /// `effort-limit`
+    EffortLimit,
     /// `velocity-jump`
     VelocityJump,
     /// `limit-missing`
@@ -90,10 +93,11 @@ pub enum Reason {
 
 impl Reason {
     /// Every reason, in the order of the table.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::PositionLimit,
         Self::VelocityLimit,
         Self::AccelerationLimit,
+        Self::EffortLimit,
         Self::VelocityJump,
         Self::LimitMissing,
         Self::SelfCollision,
@@ -139,6 +143,10 @@ impl Reason {
             Self::AccelerationLimit => {
                 ("acceleration-limit", "a joint accelerates more than it may")
             }
+            Self::EffortLimit => (
+                "effort-limit",
+                "a joint needs more torque or force than it has, by inverse dynamics at samples",
+            ),
             Self::VelocityJump => (
                 "velocity-jump",
                 "a joint changes its velocity at once although its acceleration is limited: linear interpolation, or a start or end in motion",
@@ -252,7 +260,7 @@ mod tests {
             assert!(Reason::ALL[..i].iter().all(|r| r.code() != code), "{code}");
             assert!(!reason.meaning().contains('\n'));
         }
-        assert_eq!(Reason::ALL[24], Reason::Invalid);
+        assert_eq!(Reason::ALL[25], Reason::Invalid);
     }
 
     #[test]

@@ -44,15 +44,7 @@ pub struct LimitUse {
 impl LimitUse {
     /// How far the range leaves the limit; 0 when it does not, up to rounding (1e-12 of the limit).
     pub fn excess(&self) -> f64 {
-        let most = self.below().max(self.above());
-        if self.below().is_nan() || self.above().is_nan() {
-            // Not comparable: what cannot be checked does not pass.
-            f64::INFINITY
-        } else if most <= ROUNDING * self.limit.magnitude() {
-            0.0
-        } else {
-            most
-        }
+        excess_of(self.range, self.limit)
     }
 
     fn below(&self) -> f64 {
@@ -83,6 +75,20 @@ impl LimitUse {
             _ if self.range.magnitude() == f64::INFINITY => Reason::VelocityJump,
             _ => Reason::AccelerationLimit,
         })
+    }
+}
+
+/// How far `range` leaves `limit`, up to rounding.
+pub(super) fn excess_of(range: Interval, limit: Interval) -> f64 {
+    let (below, above) = (limit.lower - range.lower, range.upper - limit.upper);
+    let most = below.max(above);
+    if below.is_nan() || above.is_nan() {
+        // Not comparable: what cannot be checked does not pass.
+        f64::INFINITY
+    } else if most <= ROUNDING * limit.magnitude() {
+        0.0
+    } else {
+        most
     }
 }
 

@@ -1,10 +1,20 @@
 //! What stands between a motion and its execution: limits of the joints, and collision with itself and its surroundings.
 
+mod assessment;
+mod efforts;
 mod given;
 mod limits;
+mod mend;
+mod passage;
+mod player;
 
+pub use assessment::{Assessment, Bounded, Worst};
+pub use efforts::{EffortUse, efforts};
 pub use given::{JointLimit, JointLimits};
 pub use limits::{LimitSource, LimitUse, limits, limits_with, without_velocity_limit};
+pub use mend::{Change, Means, Mended, mend};
+pub use passage::{Passages, Performance};
+pub use player::{Plan, Planner, Player};
 
 use crate::collision::{Certification, CollisionModel, MinimumClearance, Prover};
 use crate::error::{Reason, Result};
@@ -29,6 +39,8 @@ pub struct CheckOptions {
 pub struct Verdict {
     /// Every limit and its use.
     pub limits: Vec<LimitUse>,
+    /// What it takes of every joint's effort, as estimated; `None` when that was not looked at, as of a robot without masses.
+    pub efforts: Option<Vec<EffortUse>>,
     /// Whether it keeps clear of itself and of the scene; `None` when that was not looked at.
     pub collision: Option<Certification>,
     /// Where it comes nearest to touching, if that was asked for.
@@ -36,8 +48,8 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Puts a motion through the limits that the robot gives and, if they hold, the proof that every pair stays farther apart than
-    /// `margin` \[m\].
+    /// Puts a motion through the limits that the robot gives and, if they hold, its efforts and the proof that every pair stays farther apart
+    /// than `margin` \[m\].
     ///
     /// # Errors
     /// Those of [`limits`] and [`CollisionModel::certify`].
@@ -48,17 +60,17 @@ impl Verdict {
         margin: f64,
     ) -> Result<Self> {
         let limits = limits(robot, motion)?;
-        let within = limits.iter().all(|l| l.excess() == 0.0);
-        let collision = if within {
-            Some(collision.certify(motion, margin, &[])?)
-        } else {
-            None
-        };
-        Ok(Self {
+        let mut verdict = Self {
             limits,
-            collision,
+            efforts: None,
+            collision: None,
             clearance: None,
-        })
+        };
+        if verdict.broken().next().is_none() {
+            verdict.efforts = known_efforts(robot, motion)?;
+            verdict.collision = Some(collision.certify(motion, margin, &[])?);
+        }
+        Ok(verdict)
     }
 
     /// Puts a motion through all that `options` ask for, whether or not an earlier part of it is broken.
@@ -73,6 +85,7 @@ impl Verdict {
     ) -> Result<Self> {
         Ok(Self {
             limits: limits_with(robot, motion, &options.limits)?,
+            efforts: known_efforts(robot, motion)?,
             collision: Some(prover.certify(motion, options.margin, &options.tolerance)?),
             clearance: options
                 .accuracy
@@ -90,6 +103,8 @@ impl Verdict {
     /// worst that is known.
     pub fn reasons(&self) -> Vec<Reason> {
         let mut reasons: Vec<Reason> = self.limits.iter().filter_map(LimitUse::reason).collect();
+        let efforts = self.efforts.iter().flatten();
+        reasons.extend(efforts.filter_map(EffortUse::reason));
         match &self.collision {
             Some(Certification::Clear { .. }) => {}
             Some(Certification::Collides { witness, .. }) => {
@@ -118,4 +133,25 @@ impl Verdict {
     pub fn passes(&self) -> bool {
         self.reasons().is_empty()
     }
+}
+
+/// Those of a robot that has masses.
+fn known_efforts<M: Motion>(robot: &Robot, motion: &M) -> Result<Option<Vec<EffortUse>>> {
+    match robot.require_dynamics() {
+        Ok(()) => efforts(robot, motion).map(Some),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Whether a motion keeps the limits of positions, velocities, accelerations and efforts.
+fn keeps_limits<M: Motion>(robot: &Robot, motion: &M, options: &CheckOptions) -> Result<bool> {
+    let limits = limits_with(robot, motion, &options.limits)?;
+    if limits.iter().any(|limit| limit.excess() > 0.0) {
+        return Ok(false);
+    }
+    let efforts = known_efforts(robot, motion)?;
+    Ok(efforts
+        .iter()
+        .flatten()
+        .all(|effort| effort.excess() == 0.0))
 }

@@ -146,21 +146,34 @@ impl Wave {
 
     /// [`range`](Self::range), with the times of the extremes.
     pub fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
+        self.extremes_within(joint, derivative, 0.0, self.period())
+    }
+
+    /// [`extremes`](Self::extremes) while `from` <= t <= `to` \[s\] alone.
+    pub fn extremes_within(
+        &self,
+        joint: usize,
+        derivative: Derivative,
+        from: f64,
+        to: f64,
+    ) -> Extremes {
         let bounded = self.bounded(joint, derivative);
         // The second term covers what evaluation rounds, lest a tiny wave about a large offset be split for ever.
         let tolerance = 1e-6 * bounded.sums[0]
             + 4.0 * self.slack() * (bounded.sums[0] + bounded.offset().abs())
             + f64::MIN_POSITIVE;
         // Four pieces a cycle of the highest harmonic: Taylor's remainders are of use from the start.
-        let pieces = 4 * self.harmonics().max(1);
-        let half = self.period() / (2 * pieces) as f64;
+        let length = (to - from).clamp(0.0, self.period());
+        let cycles = 4.0 * self.harmonics().max(1) as f64;
+        let pieces = (cycles * length / self.period()).ceil().max(1.0) as usize;
+        let half = length / (2 * pieces) as f64;
         let mut open: Vec<(f64, f64)> = (0..pieces)
-            .map(|i| ((2 * i + 1) as f64 * half, half))
+            .map(|i| (from + (2 * i + 1) as f64 * half, half))
             .collect();
         // Values that are reached, and what is proven of the pieces that are done with.
-        let first = bounded.value(0.0);
+        let first = bounded.value(from);
         let mut reached = Interval::point(first);
-        let (mut lower_time, mut upper_time) = (0.0, 0.0);
+        let (mut lower_time, mut upper_time) = (from, from);
         let mut proven = reached;
         while let Some((middle, half)) = open.pop() {
             let (value, enclosure) = bounded.value_and_enclosure(middle, half);

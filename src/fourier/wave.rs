@@ -223,6 +223,57 @@ impl Wave {
         grid.evaluate(self, derivative)
     }
 
+    /// The same motion, `factor` times as slow: y(t / factor).
+    ///
+    /// # Errors
+    /// When the period that comes of it is none (see [`new`](Self::new)).
+    pub fn slowed(&self, factor: f64) -> Result<Self> {
+        check_period(self.period * factor)?;
+        Ok(Self {
+            period: self.period * factor,
+            ..self.clone()
+        })
+    }
+
+    /// The motion of each joint about its offset, times its entry of `factors`.
+    ///
+    /// # Errors
+    /// When there is not one finite factor a joint, or a weight grows beyond what one may be.
+    pub fn scaled(&self, factors: &[f64]) -> Result<Self> {
+        self.require_one_each(factors)?;
+        let mut weights = self.weights.clone();
+        for (mut row, factor) in weights.row_iter_mut().zip(factors) {
+            row.apply(|weight| *weight *= *factor);
+        }
+        let offsets = self.offsets.clone();
+        Self::new(self.joints.clone(), self.period, offsets, weights)
+    }
+
+    /// The same motion about offsets that lie elsewhere, by an entry of `shifts` \[rad\] a joint.
+    ///
+    /// # Errors
+    /// When there is not one finite shift a joint.
+    pub fn shifted(&self, shifts: &[f64]) -> Result<Self> {
+        self.require_one_each(shifts)?;
+        let offsets = &self.offsets + DVector::from_column_slice(shifts);
+        Self::new(
+            self.joints.clone(),
+            self.period,
+            offsets,
+            self.weights.clone(),
+        )
+    }
+
+    fn require_one_each(&self, numbers: &[f64]) -> Result<()> {
+        if numbers.len() == self.joints.len() {
+            return Ok(());
+        }
+        Err(
+            Error::new(ErrorKind::Shape, format!("{} numbers", numbers.len()))
+                .expected(format!("one for each of {} joints", self.joints.len())),
+        )
+    }
+
     /// The same motion started `delay` seconds into it: y(t + delay), so w_k becomes w_k exp(i k w delay). A delay that is no finite
     /// number is none.
     #[must_use]

@@ -2,11 +2,14 @@
 
 mod polynomial;
 mod read;
+mod sequence;
 mod spline;
 mod wave;
 mod waypoints;
+mod write;
 
 pub use read::{MoveOptions, PlayMotion};
+pub use sequence::{Leg, Sequence, SequenceTube};
 pub use spline::{Degree, Jump, Spline, SplineTube, StartPosture};
 pub use wave::WaveTube;
 pub use waypoints::{Waypoint, Waypoints};
@@ -65,26 +68,7 @@ pub trait Tube {
     /// [`over`](Self::over) for several intervals at once: what is asked for in inner loops. Without more being known of a motion, it bends by
     /// all that it moves.
     fn over_lanes(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
-        let TubeRows {
-            position,
-            radius,
-            velocity,
-            bend,
-            single: [q, r],
-        } = rows;
-        for lane in 0..LANES {
-            let before = lane.saturating_sub(1);
-            let is_new = lane == 0 || [middle[lane], half[lane]] != [middle[before], half[before]];
-            if is_new {
-                self.over(middle[lane], half[lane], q, r);
-            }
-            for joint in 0..q.len() {
-                position[joint][lane] = q[joint];
-                radius[joint][lane] = r[joint];
-                velocity[joint][lane] = 0.0;
-                bend[joint][lane] = r[joint];
-            }
-        }
+        rows.one_by_one(self, middle, half);
     }
 }
 
@@ -113,6 +97,35 @@ impl TubeRows {
             velocity: zero.clone(),
             bend: zero,
             single: [vec![0.0; joints], vec![0.0; joints]],
+        }
+    }
+
+    /// What a tube says of one interval after the other.
+    fn one_by_one<T: Tube + ?Sized>(
+        &mut self,
+        tube: &mut T,
+        middle: &[f64; LANES],
+        half: &[f64; LANES],
+    ) {
+        let Self {
+            position,
+            radius,
+            velocity,
+            bend,
+            single: [q, r],
+        } = self;
+        for lane in 0..LANES {
+            let before = lane.saturating_sub(1);
+            let is_new = lane == 0 || [middle[lane], half[lane]] != [middle[before], half[before]];
+            if is_new {
+                tube.over(middle[lane], half[lane], q, r);
+            }
+            for joint in 0..q.len() {
+                position[joint][lane] = q[joint];
+                radius[joint][lane] = r[joint];
+                velocity[joint][lane] = 0.0;
+                bend[joint][lane] = r[joint];
+            }
         }
     }
 }

@@ -1,5 +1,10 @@
-//! [`JointMap`]: a wave of learned joints becomes a wave of a robot's joints, by name.
+//! A person's wave becomes a robot's: by name, joint by joint ([`JointMap`]), or where the axes are others than a person's, by where
+//! arm and hand point ([`DirectionFit`]).
 
+mod arm;
+mod fit;
+mod least_squares;
+mod person;
 mod template;
 
 use std::collections::BTreeMap;
@@ -12,6 +17,10 @@ use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::{Joints, Wave};
 use crate::robot::Robot;
 use crate::units::parse_angle;
+
+pub use arm::RobotArm;
+pub use fit::{DirectionFit, Residual};
+pub use person::{Person, Segment, ShoulderOrder};
 
 /// What moves one robot joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,16 +109,11 @@ impl JointMap {
     /// 1 or -1, a scale is not positive, or an angle is not finite; the message names the joint.
     pub fn from_toml(text: &str) -> Result<Self> {
         let file: MapFile = toml::from_str(text).map_err(|e| {
-            let error = Error::new(ErrorKind::Syntax, e.message().replace('\n', " ")).expected(
+            toml_error(
+                &e,
+                text,
                 "tables [joints.NAME] with `from`, `sign`, `scale`, `offset` or with `constant`",
-            );
-            match e.span() {
-                Some(span) => {
-                    let line = text[..span.start.min(text.len())].matches('\n').count() + 1;
-                    error.at(format!("line {line}"))
-                }
-                None => error,
-            }
+            )
         })?;
         let entries = file.joints.into_iter().map(|(joint, entry)| {
             let source = entry
@@ -182,6 +186,18 @@ impl JointMap {
                 }),
             })
             .collect()
+    }
+}
+
+/// What is wrong with a TOML text, and in which line.
+fn toml_error(e: &toml::de::Error, text: &str, expected: &str) -> Error {
+    let error = Error::new(ErrorKind::Syntax, e.message().replace('\n', " ")).expected(expected);
+    match e.span() {
+        Some(span) => {
+            let line = text[..span.start.min(text.len())].matches('\n').count() + 1;
+            error.at(format!("line {line}"))
+        }
+        None => error,
     }
 }
 

@@ -153,6 +153,14 @@ pub struct Link {
     pub joint: Option<String>,
 }
 
+impl BodyJoint {
+    /// What damping and friction take at a rate \[N m, N\]; no friction at rest.
+    pub(crate) fn resistance(&self, rate: f64) -> f64 {
+        let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
+        self.properties.damping * rate + self.properties.friction * sign
+    }
+}
+
 impl Robot {
     /// The robot's name in its file.
     pub fn name(&self) -> &str {

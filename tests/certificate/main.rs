@@ -15,8 +15,8 @@ mod waves;
 use dense::Dense;
 use robots::carousel;
 use undulate::{
-    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Scene, SceneObject,
-    SceneShape, Shape, Wave, nalgebra, shipped, stream,
+    Certification, CollisionModel, CollisionOptions, HalfSpace, PeriodGrid, Robot, Scene,
+    SceneObject, SceneShape, Shape, Wave, nalgebra, shipped, stream,
 };
 use waves::random_wave;
 
@@ -228,4 +228,58 @@ fn pairs_say_why_they_are_checked() {
         .unwrap()
         .to_string();
     assert!(error.contains("no link or object `ghost`"), "{error}");
+}
+
+#[test]
+fn a_collision_within_a_tolerance_is_told_as_one() {
+    let model = CollisionModel::new(&carousel(0.1), &CollisionOptions::default()).unwrap();
+    // The balls are deep in each other, and it takes no tolerance.
+    let wave = swing(0.6, 0.65);
+    for tolerance in [1e-3, 0.05, 0.5] {
+        let found = model.certify(&wave, 0.0, &[tolerance; 2]).unwrap();
+        let Certification::Collides { witness, .. } = found else {
+            panic!("{tolerance}: {found:?}");
+        };
+        assert!(witness.distance <= 0.0);
+    }
+    // Clear by itself, and not within the tolerance: undecided, and not after millions of intervals.
+    let wave = swing(0.6, 1.0);
+    let Certification::Undecided { work, .. } = model.certify(&wave, 0.0, &[0.2; 2]).unwrap()
+    else {
+        panic!("0.2 rad is more than there is between");
+    };
+    assert!(work.intervals < 1000, "{work:?}");
+}
+
+#[test]
+fn what_overflows_proves_nothing() {
+    // A slider that may go as far as numbers do, and an arm that turns through the table by as much as numbers allow.
+    let urdf = r#"<robot name="far"><link name="base"/><link name="slide"/>
+        <link name="arm"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <joint name="slider" type="prismatic"><parent link="base"/><child link="slide"/><axis xyz="1 0 0"/>
+        <limit lower="-1.7e308" upper="1.7e308" effort="1" velocity="1"/></joint>
+        <joint name="hinge" type="continuous"><parent link="slide"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+        <link name="foot"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+        <joint name="fixed" type="fixed"><parent link="base"/><child link="foot"/></joint></robot>"#;
+    let robot = Robot::from_urdf(urdf).unwrap();
+    let table = SceneShape::HalfSpace(HalfSpace::new(nalgebra::Vector3::z(), -0.2).unwrap());
+    let options = CollisionOptions {
+        scene: Scene::new(vec![SceneObject {
+            name: "table".to_owned(),
+            shape: table,
+        }])
+        .unwrap(),
+        ..CollisionOptions::default()
+    };
+    let model = CollisionModel::new(&robot, &options).unwrap();
+    for size in [1.0, 1e14, 1e50, 1e100] {
+        let mut weights = nalgebra::DMatrix::zeros(2, 1);
+        weights[(1, 0)] = undulate::num_complex::Complex::new(size / 2.0, 0.0);
+        let offsets = nalgebra::DVector::zeros(2);
+        let wave = Wave::new(robot.joints().clone(), 2.0, offsets, weights).unwrap();
+        assert!(
+            !model.certify(&wave, 0.0, &[]).unwrap().is_clear(),
+            "{size}"
+        );
+    }
 }

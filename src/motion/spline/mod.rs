@@ -1,6 +1,7 @@
 //! [`Spline`]: a recorded move as the controller runs it.
 
 mod ends;
+mod resampled;
 mod tube;
 
 #[cfg(test)]
@@ -305,6 +306,17 @@ impl Motion for Spline {
                 upper_time: jump.time,
             };
         }
+        self.inner_extremes(joint, derivative)
+    }
+
+    fn tube(&self) -> SplineTube<'_> {
+        SplineTube::new(self)
+    }
+}
+
+impl Spline {
+    /// The extremes of the segments, whatever jumps between them.
+    pub(super) fn inner_extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
         let order = derivative.order();
         let piece = |s: usize| self.piece(s, joint).derivative(order, self.length(s));
         let mut search = RangeSearch::new();
@@ -323,9 +335,5 @@ impl Motion for Spline {
             lower_time: time(low),
             upper_time: time(high),
         }
-    }
-
-    fn tube(&self) -> SplineTube<'_> {
-        SplineTube::new(self)
     }
 }

@@ -1,0 +1,535 @@
+//! [`Sequence`]: moves and waves one after the other, as one motion.
+
+use super::{LANES, Motion, Spline, SplineTube, Tube, TubeRows, WaveTube};
+use crate::error::{Error, ErrorKind, Reason, Result};
+use crate::fourier::{Derivative, Extremes, Interval, Joints, State, Wave};
+
+/// Where two legs meet, positions, velocities and accelerations are the same to this share of their size, and of 1.
+const SMOOTH: f64 = 1e-6;
+
+/// A wave goes on for no more cycles of its highest harmonic: proofs look at each of them.
+const MOST_CYCLES: f64 = 1e6;
+
+/// What reducing a time to that of a leg may lose, in machine epsilons of the times.
+const LATE: f64 = 8.0 * f64::EPSILON;
+
+/// A part of a [`Sequence`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum Leg {
+    /// A move through waypoints, from its start to its end.
+    Move(Spline),
+    /// A wave, from time `from` in its period, for a duration \[s\].
+    Wave {
+        /// Of the same joints as all other legs.
+        wave: Wave,
+        /// Where in its period it is entered \[s\].
+        from: f64,
+        /// How long it goes on \[s\].
+        duration: f64,
+    },
+}
+
+impl Leg {
+    fn joints(&self) -> &Joints {
+        match self {
+            Self::Move(spline) => Motion::joints(spline),
+            Self::Wave { wave, .. } => wave.joints(),
+        }
+    }
+
+    /// \[s\]
+    pub fn duration(&self) -> f64 {
+        match self {
+            Self::Move(spline) => spline.duration(),
+            Self::Wave { duration, .. } => *duration,
+        }
+    }
+
+    /// At a time since the leg began \[s\].
+    fn state_into(&self, t: f64, state: &mut State) {
+        match self {
+            Self::Move(spline) => spline.state_into(t, state),
+            Self::Wave { wave, from, .. } => wave.state_into(from + t, state),
+        }
+    }
+
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
+        match self {
+            // That it begins or ends in motion is no jump here: its neighbours move likewise.
+            Self::Move(spline) => spline.inner_extremes(joint, derivative),
+            Self::Wave {
+                wave,
+                from,
+                duration,
+            } => {
+                let found = wave.extremes_within(joint, derivative, *from, from + duration);
+                Extremes {
+                    lower_time: found.lower_time - from,
+                    upper_time: found.upper_time - from,
+                    ..found
+                }
+            }
+        }
+    }
+}
+
+/// Legs one after the other, each beginning as the one before it ends: in position, velocity and acceleration.
+///
+/// ```
+/// use undulate::{Joints, Leg, Motion, Sequence, Spline, StartPosture, Wave, Waypoint, Waypoints};
+/// use undulate::nalgebra::{dmatrix, dvector};
+/// use undulate::num_complex::Complex;
+///
+/// let joints = Joints::new(["elbow"])?;
+/// let wave = Wave::new(joints.clone(), 2.0, dvector![0.5], dmatrix![Complex::new(0.1, 0.0)])?;
+/// let enter = wave.state(0.0);
+/// let rest = Waypoint { time: 0.0, positions: &[0.0], velocities: Some(&[0.0]), accelerations: Some(&[0.0]) };
+/// let there = Waypoint {
+///     time: 1.5,
+///     positions: enter.position.as_slice(),
+///     velocities: Some(enter.velocity.as_slice()),
+///     accelerations: Some(enter.acceleration.as_slice()),
+/// };
+/// let raise = Spline::new(&Waypoints::new(joints, [rest, there])?, StartPosture::Given)?;
+/// let motion = Sequence::new(vec![Leg::Move(raise), Leg::Wave { wave, from: 0.0, duration: 6.0 }])?;
+/// assert_eq!(motion.duration(), 7.5);
+/// # Ok::<(), undulate::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    legs: Vec<Leg>,
+    /// When each begins, and when the last one ends \[s\].
+    times: Vec<f64>,
+}
+
+impl Sequence {
+    /// # Errors
+    /// When there is no leg, one has no duration or other joints than the first, or one does not begin as the one before it ends.
+    pub fn new(legs: Vec<Leg>) -> Result<Self> {
+        let Some(first) = legs.first() else {
+            return Err(
+                Error::new(ErrorKind::Shape, "a sequence of nothing").because(Reason::NoDuration)
+            );
+        };
+        let joints = first.joints().clone();
+        let mut times = vec![0.0];
+        let mut end: Option<State> = None;
+        let (mut start, mut last) = (State::zeros(joints.len()), State::zeros(joints.len()));
+        for (number, leg) in legs.iter().enumerate() {
+            let place = || format!("leg {}", number + 1);
+            if *leg.joints() != joints {
+                return Err(Error::new(
+                    ErrorKind::Name,
+                    format!("a motion of {}", leg.joints().listed()),
+                )
+                .expected(joints.listed())
+                .at(place()));
+            }
+            let duration = leg.duration();
+            if !(duration > 0.0 && duration.is_finite()) {
+                return Err(
+                    Error::new(ErrorKind::Value, format!("a duration of {duration} s"))
+                        .because(Reason::NoDuration)
+                        .expected("a positive number of seconds")
+                        .at(place()),
+                );
+            }
+            if let Leg::Wave { wave, .. } = leg
+                && duration / wave.period() * wave.harmonics() as f64 > MOST_CYCLES
+            {
+                return Err(
+                    Error::new(ErrorKind::Value, format!("a wave for {duration} s"))
+                        .because(Reason::TooLarge)
+                        .expected(format!(
+                            "at most {MOST_CYCLES:e} cycles of its highest harmonic"
+                        ))
+                        .at(place()),
+                );
+            }
+            leg.state_into(0.0, &mut start);
+            leg.state_into(duration, &mut last);
+            if let Some(end) = &end
+                && let Some((joint, what)) = gap(end, &start)
+            {
+                return Err(Error::new(
+                    ErrorKind::Infeasible,
+                    format!("{what} of joint `{}` jumps", joints.name(joint)),
+                )
+                .expected("a leg that begins as the one before it ends")
+                .at(place()));
+            }
+            end = Some(last.clone());
+            times.push(times[number] + duration);
+        }
+        Ok(Self { legs, times })
+    }
+
+    /// Its legs.
+    pub fn legs(&self) -> &[Leg] {
+        &self.legs
+    }
+
+    /// When each leg begins, and when the last one ends \[s\].
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The leg of a time; the later one where two meet.
+    fn leg_at(&self, t: f64) -> usize {
+        let later = self.times.partition_point(|start| *start <= t);
+        later.saturating_sub(1).min(self.legs.len() - 1)
+    }
+}
+
+/// The joint and quantity in which two states differ.
+fn gap(a: &State, b: &State) -> Option<(usize, &'static str)> {
+    let differs = |x: f64, y: f64| {
+        let far = (x - y).abs() > SMOOTH * (1.0 + x.abs().max(y.abs()));
+        far || (x - y).is_nan()
+    };
+    (0..a.position.len()).find_map(|joint| {
+        let all = [
+            (a.position[joint], b.position[joint], "the position"),
+            (a.velocity[joint], b.velocity[joint], "the velocity"),
+            (
+                a.acceleration[joint],
+                b.acceleration[joint],
+                "the acceleration",
+            ),
+        ];
+        all.into_iter()
+            .find(|(x, y, _)| differs(*x, *y))
+            .map(|(_, _, what)| (joint, what))
+    })
+}
+
+impl Motion for Sequence {
+    type Tube<'a> = SequenceTube<'a>;
+
+    fn joints(&self) -> &Joints {
+        self.legs[0].joints()
+    }
+
+    fn duration(&self) -> f64 {
+        self.times[self.legs.len()]
+    }
+
+    fn is_periodic(&self) -> bool {
+        false
+    }
+
+    /// Before and after, as at the start and at the end.
+    fn state_into(&self, t: f64, state: &mut State) {
+        let leg = self.leg_at(t);
+        let local = (t - self.times[leg]).clamp(0.0, self.legs[leg].duration());
+        self.legs[leg].state_into(local, state);
+    }
+
+    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
+        let mut all: Option<Extremes> = None;
+        for (leg, start) in self.legs.iter().zip(&self.times) {
+            let own = leg.extremes(joint, derivative);
+            let (lower_time, upper_time) = (start + own.lower_time, start + own.upper_time);
+            all = Some(match all {
+                None => Extremes {
+                    lower_time,
+                    upper_time,
+                    ..own
+                },
+                Some(all) => Extremes {
+                    range: all.range.hull(own.range),
+                    lower_time: if own.range.lower < all.range.lower {
+                        lower_time
+                    } else {
+                        all.lower_time
+                    },
+                    upper_time: if own.range.upper > all.range.upper {
+                        upper_time
+                    } else {
+                        all.upper_time
+                    },
+                },
+            });
+        }
+        // There is a leg.
+        all.unwrap_or(Extremes {
+            range: Interval::within(f64::INFINITY),
+            lower_time: 0.0,
+            upper_time: 0.0,
+        })
+    }
+
+    fn tube(&self) -> SequenceTube<'_> {
+        let tubes = self.legs.iter().map(|leg| match leg {
+            Leg::Move(spline) => LegTube::Move(spline.tube()),
+            Leg::Wave { wave, from, .. } => LegTube::Wave(wave.tube(), *from),
+        });
+        let joints = self.joints().len();
+        SequenceTube {
+            sequence: self,
+            tubes: tubes.collect(),
+            room: [vec![0.0; joints], vec![0.0; joints]],
+        }
+    }
+}
+
+/// The positions of a sequence over intervals: those of its legs, and over an interval with an end of one in it what holds both.
+#[derive(Debug)]
+pub struct SequenceTube<'a> {
+    sequence: &'a Sequence,
+    tubes: Vec<LegTube<'a>>,
+    /// For the position and radius of one leg.
+    room: [Vec<f64>; 2],
+}
+
+#[derive(Debug)]
+enum LegTube<'a> {
+    Move(SplineTube<'a>),
+    /// And where the wave is entered \[s\].
+    Wave(WaveTube<'a>, f64),
+}
+
+impl LegTube<'_> {
+    fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
+        match self {
+            Self::Move(tube) => tube.over(middle, half, position, radius),
+            Self::Wave(tube, from) => tube.over(*from + middle, half, position, radius),
+        }
+    }
+}
+
+impl SequenceTube<'_> {
+    /// So much wider that no rounding of a time leaves out an instant.
+    fn widened(&self, half: f64) -> f64 {
+        half + LATE * self.sequence.duration()
+    }
+}
+
+impl Tube for SequenceTube<'_> {
+    fn pieces(&self, pieces: &mut Vec<(f64, f64)>) {
+        let mut own = Vec::new();
+        for ((tube, leg), start) in self
+            .tubes
+            .iter()
+            .zip(&self.sequence.legs)
+            .zip(&self.sequence.times)
+        {
+            own.clear();
+            match (tube, leg) {
+                (LegTube::Move(tube), _) => tube.pieces(&mut own),
+                (LegTube::Wave(tube, _), Leg::Wave { wave, duration, .. }) => {
+                    tube.pieces(&mut own);
+                    // As long as those of its period, over what is waved of it.
+                    let count = (own.len() as f64 * duration / wave.period())
+                        .ceil()
+                        .max(1.0);
+                    let half = duration / (2.0 * count);
+                    own.clear();
+                    own.extend((0..count as usize).map(|n| ((2 * n + 1) as f64 * half, half)));
+                }
+                _ => {}
+            }
+            pieces.extend(own.iter().map(|(middle, half)| (start + middle, *half)));
+        }
+    }
+
+    fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
+        let sequence = self.sequence;
+        let half = self.widened(half.abs());
+        let duration = sequence.duration();
+        // An instant that is none is any instant.
+        let (from, to) = if (middle + half).is_nan() {
+            (0.0, duration)
+        } else {
+            (
+                (middle - half).clamp(0.0, duration),
+                (middle + half).clamp(0.0, duration),
+            )
+        };
+        let (first, last) = (sequence.leg_at(from), sequence.leg_at(to));
+        let centre = sequence.leg_at(middle.clamp(from, to));
+        let local = |leg: usize, t: f64| {
+            (t - sequence.times[leg]).clamp(0.0, sequence.legs[leg].duration())
+        };
+        let others = (first..=last).filter(|leg| *leg != centre);
+        for leg in std::iter::once(centre).chain(others) {
+            let (a, b) = (local(leg, from), local(leg, to));
+            let at = if leg == centre {
+                local(leg, middle.clamp(from, to))
+            } else {
+                a + (b - a) / 2.0
+            };
+            let half = self.widened((at - a).max(b - at));
+            let [q, r] = &mut self.room;
+            self.tubes[leg].over(at, half, q, r);
+            for joint in 0..position.len() {
+                let (q, r) = (self.room[0][joint], self.room[1][joint]);
+                if leg == centre {
+                    (position[joint], radius[joint]) = (q, r);
+                } else {
+                    radius[joint] = radius[joint].max((q - position[joint]).abs() + r);
+                }
+            }
+        }
+    }
+
+    /// Together where all intervals are within one wave, as most are.
+    fn over_lanes(&mut self, middle: &[f64; LANES], half: &[f64; LANES], rows: &mut TubeRows) {
+        let sequence = self.sequence;
+        let leg = sequence.leg_at(middle[0]);
+        let wide = half.map(|half| self.widened(half));
+        let inside = (0..LANES).all(|lane| {
+            sequence.times[leg] <= middle[lane] - wide[lane]
+                && middle[lane] + wide[lane] <= sequence.times[leg + 1]
+        });
+        if inside && let LegTube::Wave(tube, from) = &mut self.tubes[leg] {
+            let local = middle.map(|t| *from + (t - sequence.times[leg]));
+            tube.over_lanes(&local, &wide, rows);
+        } else {
+            rows.one_by_one(self, middle, half);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::{StartPosture, Waypoint, Waypoints};
+    use nalgebra::{DMatrix, DVector};
+    use num_complex::Complex;
+
+    fn joints() -> Joints {
+        Joints::new(["a", "b"]).unwrap()
+    }
+
+    fn wave() -> Wave {
+        let weights = DMatrix::from_fn(2, 3, |d, k| {
+            Complex::from_polar(0.2 / (k + 1) as f64, (d + 2 * k) as f64)
+        });
+        Wave::new(joints(), 1.3, DVector::from_vec(vec![0.3, -0.2]), weights).unwrap()
+    }
+
+    fn passage(from: &State, to: &State, duration: f64) -> Spline {
+        let point = |time, state: &State| {
+            let rows = [&state.position, &state.velocity, &state.acceleration];
+            (time, rows.map(|r| r.as_slice().to_vec()))
+        };
+        let points = [point(0.0, from), point(duration, to)];
+        let waypoints = Waypoints::new(
+            joints(),
+            points.iter().map(|(time, [q, v, a])| Waypoint {
+                time: *time,
+                positions: q,
+                velocities: Some(v),
+                accelerations: Some(a),
+            }),
+        );
+        Spline::new(&waypoints.unwrap(), StartPosture::Given).unwrap()
+    }
+
+    fn sequence() -> Sequence {
+        let wave = wave();
+        let rest = State::zeros(2);
+        Sequence::new(vec![
+            Leg::Move(passage(&rest, &wave.state(0.4), 0.8)),
+            Leg::Wave {
+                wave: wave.clone(),
+                from: 0.4,
+                duration: 2.5,
+            },
+            Leg::Move(passage(&wave.state(2.9), &rest, 0.9)),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn a_tube_contains_the_sequence_across_its_joins() {
+        let sequence = sequence();
+        let mut tube = sequence.tube();
+        let mut rows = TubeRows::new(2);
+        let mut state = State::zeros(2);
+        for n in 0..400 {
+            let middles: [f64; LANES] =
+                std::array::from_fn(|lane| 0.0105 * f64::from(n) + 0.01 * lane as f64);
+            let half = [0.3 / f64::from(1 << (n % 9)); LANES];
+            tube.over_lanes(&middles, &half, &mut rows);
+            for lane in 0..LANES {
+                for i in 0..=10 {
+                    let t = middles[lane] + half[lane] * (f64::from(i) / 5.0 - 1.0);
+                    sequence.state_into(t, &mut state);
+                    for joint in 0..2 {
+                        let off = state.position[joint] - rows.position[joint][lane];
+                        assert!(off.abs() <= rows.radius[joint][lane], "{n} {lane} {t}");
+                        let ahead = rows.velocity[joint][lane] * (t - middles[lane]);
+                        let is_within = (0.0..=sequence.duration()).contains(&t);
+                        assert!(!is_within || (off - ahead).abs() <= rows.bend[joint][lane]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn extremes_are_those_of_a_fine_grid() {
+        let sequence = sequence();
+        let mut state = State::zeros(2);
+        for derivative in [
+            Derivative::Position,
+            Derivative::Velocity,
+            Derivative::Acceleration,
+        ] {
+            for joint in 0..2 {
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                for n in 0..=42_000 {
+                    sequence.state_into(1e-4 * f64::from(n), &mut state);
+                    let value = match derivative {
+                        Derivative::Position => state.position[joint],
+                        Derivative::Velocity => state.velocity[joint],
+                        _ => state.acceleration[joint],
+                    };
+                    (low, high) = (low.min(value), high.max(value));
+                }
+                let found = sequence.extremes(joint, derivative);
+                let size = 1e-4 * (high - low);
+                assert!(found.range.lower <= low && found.range.lower > low - size);
+                assert!(found.range.upper >= high && found.range.upper < high + size);
+                sequence.state_into(found.upper_time, &mut state);
+                assert!((0.0..=sequence.duration()).contains(&found.upper_time));
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_cover_the_sequence() {
+        let sequence = sequence();
+        let mut pieces = Vec::new();
+        sequence.tube().pieces(&mut pieces);
+        let mut end = 0.0;
+        for (middle, half) in pieces {
+            assert!((middle - half - end).abs() < 1e-14);
+            end = middle + half;
+        }
+        assert!((end - sequence.duration()).abs() < 1e-13);
+    }
+
+    #[test]
+    fn legs_that_do_not_meet_are_refused() {
+        let wave = wave();
+        let rest = State::zeros(2);
+        let leg = |from: f64, duration: f64| Leg::Wave {
+            wave: wave.clone(),
+            from,
+            duration,
+        };
+        let raise = || Leg::Move(passage(&rest, &wave.state(0.4), 0.8));
+        let refused = |legs: Vec<Leg>, expected: &str| {
+            let error = Sequence::new(legs).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        };
+        refused(vec![], "nothing");
+        refused(vec![raise(), leg(0.41, 1.0)], "leg 2: the position");
+        refused(vec![raise(), leg(0.4, f64::NAN)], "a duration of NaN");
+        refused(vec![raise(), leg(0.4, 1e12)], "a wave for 1000000000000 s");
+        assert!(Sequence::new(vec![raise(), leg(0.4, 1.0)]).is_ok());
+    }
+}
