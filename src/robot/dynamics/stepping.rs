@@ -47,8 +47,8 @@ impl Dynamics {
         let potential = on_base
             .filter(|(_, step)| step.parent == 0)
             .map(|(i, _)| {
-                let (all, frame) = (&self.composites[i], &self.placed[i]);
-                -gravity.dot(&(frame.origin * all.mass + frame.rotation * all.moment))
+                let all = &self.composites[i];
+                -gravity.dot(&(self.placed[i].arm * all.mass + all.moment))
             })
             .sum();
         [kinetic, potential]
