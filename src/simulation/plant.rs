@@ -32,8 +32,8 @@ impl PlantState {
 
     /// Kinetic and potential energy \[J\].
     pub fn energies(&self, robot: &Robot, dynamics: &mut Dynamics) -> [f64; 2] {
-        dynamics.mass_matrix(robot, self.position.as_slice());
-        dynamics.energies(robot, self.velocity.as_slice(), &GRAVITY)
+        let (q, v) = (self.position.as_slice(), self.velocity.as_slice());
+        dynamics.energies_at(robot, q, v, &GRAVITY)
     }
 
     pub fn is_finite(&self) -> bool {

@@ -109,22 +109,29 @@ impl SpatialInertia {
     /// The same body in the directions that `rotation` takes its own to.
     #[inline]
     pub(super) fn turned(&self, rotation: &Matrix3<f64>) -> Self {
+        let half = rotation * self.inertia;
         Self {
             mass: self.mass,
             moment: rotation * self.moment,
-            inertia: rotation * self.inertia * rotation.transpose(),
+            inertia: symmetric(|i, j| half.row(i).dot(&rotation.row(j))),
         }
     }
 
     /// The same body about a point from which `arm` leads to the old one.
     #[inline]
     pub(super) fn carried(&self, arm: &Vector3<f64>) -> Self {
-        let moment = self.moment + arm * self.mass;
-        // Points are arm + x: the cross terms with the arm once in each of the two products.
+        let (r, h) = (arm, &self.moment);
+        let moment = h + r * self.mass;
+        // Points are r + x: the cross terms with r once in each of the two products.
+        let trace = moment.dot(r) + r.dot(h);
+        let inertia = symmetric(|i, j| {
+            let own = self.inertia[(i, j)] - r[i] * moment[j] - h[i] * r[j];
+            if i == j { own + trace } else { own }
+        });
         Self {
             mass: self.mass,
             moment,
-            inertia: self.inertia + parallel(&moment, arm) + parallel(arm, &self.moment),
+            inertia,
         }
     }
 
@@ -134,6 +141,23 @@ impl SpatialInertia {
         self.moment += other.moment;
         self.inertia += other.inertia;
     }
+}
+
+/// From the entries on and above the diagonal.
+#[inline]
+fn symmetric(entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
+    let [xy, xz, yz] = [entry(0, 1), entry(0, 2), entry(1, 2)];
+    Matrix3::new(
+        entry(0, 0),
+        xy,
+        xz,
+        xy,
+        entry(1, 1),
+        yz,
+        xz,
+        yz,
+        entry(2, 2),
+    )
 }
 
 /// (a . b) 1 - b a^T

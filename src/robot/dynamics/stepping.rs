@@ -31,6 +31,18 @@ impl Dynamics {
         &self.mass
     }
 
+    /// Kinetic and potential energy \[J\] at `q` and `v`.
+    pub(crate) fn energies_at(
+        &mut self,
+        robot: &Robot,
+        q: &[f64],
+        v: &[f64],
+        gravity: &Vector3<f64>,
+    ) -> [f64; 2] {
+        let kinetic = self.kinetic_energy(robot, q, v);
+        [kinetic, self.lifted(robot, gravity)]
+    }
+
     /// Kinetic and potential energy \[J\] of the configuration that [`forward`](Self::forward) was asked about last, at
     /// velocity `v`: from the mass matrix and the composite bodies that it left, for next to nothing.
     pub(crate) fn energies(&self, robot: &Robot, v: &[f64], gravity: &Vector3<f64>) -> [f64; 2] {
