@@ -1,6 +1,9 @@
-//! A second of tracking at 1 kHz by both plants, beside what of it is plain: on a shared machine, trust the ratios.
+//! A second of tracking at 1 kHz by both plants, beside what of it is plain: on a shared machine, trust the ratios. With `UNDULATE_SHARED` set,
+//! on the UR5 there besides the shipped arm; else on the table-top one. `tests/oracle/mujoco_euler.py` prints MuJoCo's real-time factors for the same.
 //!
 //! `cargo bench --bench simulation` prints medians; figures to be met are in the comments. A second divided by a median is the real-time factor.
+
+use std::path::PathBuf;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{DMatrix, DVector};
@@ -11,10 +14,12 @@ use undulate::{
 };
 
 /// The shipped arm, and an industrial one.
-fn arms() -> Vec<Robot> {
-    ["wave_arm", "table_arm"]
-        .map(|name| shipped::robot(name).unwrap())
-        .into()
+fn arms() -> [Robot; 2] {
+    let industrial = match std::env::var_os("UNDULATE_SHARED") {
+        Some(folder) => Robot::open(&PathBuf::from(folder).join("robots/ur5/ur5_robot.urdf")),
+        None => shipped::robot("table_arm"),
+    };
+    [shipped::robot("wave_arm"), industrial].map(Result::unwrap)
 }
 
 /// A wave of 25 harmonics about the middle of the joints' ranges, most of it in the third: 1.5 Hz.

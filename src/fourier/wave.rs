@@ -188,15 +188,24 @@ impl Wave {
         let step = self.rotation(t);
         let w = self.angular_frequency();
         let mut rotation = step;
-        for (k, column) in self.weights.column_iter().enumerate() {
+        // Slices of one length, so that nothing is checked within.
+        let joints = self.joints.len();
+        let [p, v, a, j] = [
+            &mut state.position,
+            &mut state.velocity,
+            &mut state.acceleration,
+            &mut state.jerk,
+        ]
+        .map(|series| &mut series.as_mut_slice()[..joints]);
+        for (k, column) in self.weights.as_slice().chunks_exact(joints).enumerate() {
             let kw = (k + 1) as f64 * w;
-            for (d, weight) in column.iter().enumerate() {
+            for d in 0..joints {
                 // z = 2 w_{d,k} exp(i k w t); differentiating multiplies by i k w.
-                let z = weight * rotation * 2.0;
-                state.position[d] += z.re;
-                state.velocity[d] -= kw * z.im;
-                state.acceleration[d] -= kw * kw * z.re;
-                state.jerk[d] += kw * kw * kw * z.im;
+                let z = column[d] * rotation * 2.0;
+                p[d] += z.re;
+                v[d] -= kw * z.im;
+                a[d] -= kw * kw * z.re;
+                j[d] += kw * kw * kw * z.im;
             }
             rotation *= step;
         }

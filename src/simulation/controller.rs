@@ -66,7 +66,7 @@ pub(super) struct Controller<'a, M> {
     before: State,
     now: State,
     after: State,
-    middle: State,
+    /// Old rate and new one; or position and velocity in the middle.
     rates: [DVector<f64>; 2],
     acceleration: DVector<f64>,
     command: Command,
@@ -92,8 +92,7 @@ impl<'a, M: Motion> Controller<'a, M> {
             dynamics: Dynamics::new(robot),
             before: zeros.clone(),
             now: zeros.clone(),
-            after: zeros.clone(),
-            middle: zeros,
+            after: zeros,
             rates: [DVector::zeros(joints), DVector::zeros(joints)],
             acceleration: DVector::zeros(joints),
             command: Command {
@@ -119,7 +118,7 @@ impl<'a, M: Motion> Controller<'a, M> {
 
     /// What is sent at the time `tick` periods after the start; to be asked for 0, 1, 2 and so on.
     pub fn next(&mut self, tick: usize) -> &Command {
-        let (t, period) = (tick as f64 * self.period, self.period);
+        let period = self.period;
         let (before, now, after) = (&self.before, &self.now, &mut self.after);
         self.motion.state_into((tick + 1) as f64 * period, after);
         let command = &mut self.command;
@@ -130,7 +129,6 @@ impl<'a, M: Motion> Controller<'a, M> {
         let a = &mut self.acceleration;
         let (q, v, losing) = match self.plant {
             Plant::Rapier if period == self.dt => {
-                // Old rate and new one.
                 let [old, new] = &mut self.rates;
                 old.copy_from(&now.position);
                 *old -= &before.position;
@@ -144,12 +142,16 @@ impl<'a, M: Motion> Controller<'a, M> {
                 (&now.position, &*old, &*new)
             }
             Plant::Rapier | Plant::Rk4 => {
-                self.motion.state_into(t + 0.5 * period, &mut self.middle);
-                a.copy_from(&after.velocity);
-                *a -= &now.velocity;
-                *a /= period;
-                let middle = &self.middle;
-                (&middle.position, &middle.velocity, &middle.velocity)
+                // Cubic between the ends, which at a period of a millisecond is the motion to rounding.
+                let [q, v] = &mut self.rates;
+                for j in 0..a.len() {
+                    let ends = [&now.position, &after.position].map(|q| q[j]);
+                    let rates = [&now.velocity, &after.velocity].map(|v| v[j]);
+                    q[j] = ends[0].midpoint(ends[1]) + 0.125 * period * (rates[0] - rates[1]);
+                    v[j] = 1.5 * (ends[1] - ends[0]) / period - 0.25 * (rates[0] + rates[1]);
+                    a[j] = (rates[1] - rates[0]) / period;
+                }
+                (&*q, &*v, &*v)
             }
         };
         if self.share != 0.0 {

@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::controller::Command;
 use super::energy::Work;
 use crate::error::Result;
+use crate::robot::{Dynamics, GRAVITY, Robot};
 
 /// The state of a plant between two steps.
 #[derive(Debug, Clone)]
@@ -27,6 +28,12 @@ impl PlantState {
             velocity,
             work: Work::default(),
         }
+    }
+
+    /// Kinetic and potential energy \[J\].
+    pub fn energies(&self, robot: &Robot, dynamics: &mut Dynamics) -> [f64; 2] {
+        let (q, v) = (self.position.as_slice(), self.velocity.as_slice());
+        dynamics.energies_at(robot, q, v, &GRAVITY)
     }
 
     pub fn is_finite(&self) -> bool {

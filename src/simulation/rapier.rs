@@ -9,7 +9,7 @@ use super::plant::{Integrator, PlantState};
 use super::semi_implicit::SemiImplicit;
 use super::world::{Motor, MultibodyWorld};
 use crate::error::{Error, ErrorKind, Result};
-use crate::robot::{Dynamics, Frame, GRAVITY, JointKind, Robot};
+use crate::robot::{Dynamics, Frame, JointKind, Robot};
 
 /// How far a body may be from where the joints have it, as a share of a metre or a radian.
 const DRIFT: f64 = 1e-6;
@@ -234,12 +234,11 @@ impl Integrator for RapierPlant<'_> {
             .expected("a position and velocity that are finite"));
         }
         self.account(state);
-        let robot = self.robot;
-        Ok(energies(&mut self.dynamics, robot, &self.before))
+        Ok(self.before.energies(self.robot, &mut self.dynamics))
     }
 
     fn energies(&mut self, state: &PlantState) -> [f64; 2] {
-        energies(&mut self.dynamics, self.robot, state)
+        state.energies(self.robot, &mut self.dynamics)
     }
 
     fn require_sound(&mut self, state: &PlantState) -> Result<()> {
@@ -273,14 +272,6 @@ impl Integrator for RapierPlant<'_> {
         }
         Ok(())
     }
-}
-
-fn energies(dynamics: &mut Dynamics, robot: &Robot, state: &PlantState) -> [f64; 2] {
-    let (q, v) = (state.position.as_slice(), state.velocity.as_slice());
-    [
-        dynamics.kinetic_energy(robot, q, v),
-        dynamics.potential_energy(robot, q, &GRAVITY),
-    ]
 }
 
 #[cfg(test)]

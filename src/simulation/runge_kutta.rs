@@ -226,11 +226,7 @@ impl Integrator for RungeKutta<'_> {
     }
 
     fn energies(&mut self, state: &PlantState) -> [f64; 2] {
-        let (q, v) = (state.position.as_slice(), state.velocity.as_slice());
-        [
-            self.dynamics.kinetic_energy(self.robot, q, v),
-            self.dynamics.potential_energy(self.robot, q, &GRAVITY),
-        ]
+        state.energies(self.robot, &mut self.dynamics)
     }
 
     fn require_sound(&mut self, _: &PlantState) -> Result<()> {

@@ -19,7 +19,6 @@ pub(super) struct SemiImplicit {
     /// dt u / 2.
     half: DVector<f64>,
     shifted: DVector<f64>,
-    zeros: DVector<f64>,
     efforts: Vec<f64>,
 }
 
@@ -36,7 +35,6 @@ impl SemiImplicit {
             matrix: DMatrix::zeros(joints, joints),
             half: DVector::zeros(joints),
             shifted: DVector::zeros(joints),
-            zeros: DVector::zeros(joints),
             efforts: vec![0.0; robot.bodies().len()],
         }
     }
@@ -50,9 +48,9 @@ impl SemiImplicit {
         dt: f64,
     ) -> &[f64] {
         let dynamics = &mut self.dynamics;
-        let (q, zeros) = (q.as_slice(), self.zeros.as_slice());
-        self.matrix.copy_from(dynamics.mass_matrix(robot, q));
-        let forces = dynamics.inverse(robot, q, v.as_slice(), a.as_slice(), &GRAVITY);
+        self.matrix
+            .copy_from(dynamics.mass_matrix(robot, q.as_slice()));
+        let forces = dynamics.inverse_again(robot, v.as_slice(), Some(a.as_slice()), &GRAVITY);
         for j in 0..self.half.len() {
             let inertial: f64 = self
                 .matrix
@@ -78,7 +76,7 @@ impl SemiImplicit {
         for sign in [1.0, -1.0] {
             self.shifted.copy_from(v);
             self.shifted.axpy(sign, &self.half, 1.0);
-            dynamics.inverse(robot, q, self.shifted.as_slice(), zeros, &GRAVITY);
+            dynamics.inverse_again(robot, self.shifted.as_slice(), None, &GRAVITY);
             for (own, shifted) in self.efforts.iter_mut().zip(dynamics.body_efforts()) {
                 *own -= sign * shifted;
             }

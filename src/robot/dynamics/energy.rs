@@ -24,7 +24,13 @@ impl Dynamics {
 
     /// Potential energy \[J\] of the bodies that move under `gravity` \[m/s^2\]; 0 for masses at the base's origin.
     pub fn potential_energy(&mut self, robot: &Robot, q: &[f64], gravity: &Vector3<f64>) -> f64 {
-        let frames = self.kinematics.frames(robot, q);
+        self.kinematics.frames(robot, q);
+        self.lifted(robot, gravity)
+    }
+
+    /// The potential energy of bodies whose frames are known.
+    pub(super) fn lifted(&self, robot: &Robot, gravity: &Vector3<f64>) -> f64 {
+        let frames = self.kinematics.last_frames();
         let moving = robot.steps.iter().zip(frames).skip(1);
         moving
             .map(|(step, frame)| {

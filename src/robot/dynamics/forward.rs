@@ -8,7 +8,7 @@ use crate::robot::Robot;
 
 impl Dynamics {
     /// Accelerations a \[rad/s^2, m/s^2\] of the joints under generalized forces `tau` \[N m, N\] and `gravity` \[m/s^2\]:
-    /// M(q) a = tau - C(q, v) v - g(q), by Cholesky's factor of the mass matrix (Featherstone 2008, section 6.1). Damping,
+    /// M(q) a = tau - C(q, v) v - g(q), by Cholesky's factors of the mass matrix (Featherstone 2008, section 6.1). Damping,
     /// friction and limits are not in it.
     ///
     /// # Errors
@@ -52,43 +52,53 @@ fn singular(robot: &Robot, joint: usize) -> Error {
     .at(format!("robot `{}`", robot.name()))
 }
 
-/// L with L L^T = A in the lower triangle of A, column by column; the column at fault where a pivot is lost in rounding.
+/// Cholesky's factors without roots: U^T D U = A, U with ones on its diagonal. Column by column in the upper triangle of A, with 1 / D in the
+/// place of the ones; the column at fault where a pivot is lost in rounding.
 pub(crate) fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> {
     let n = a.nrows();
+    let a = a.as_mut_slice();
     for j in 0..n {
-        let least = n as f64 * f64::EPSILON * a[(j, j)];
-        for k in 0..j {
-            let factor = a[(j, k)];
-            for i in j..n {
-                a[(i, j)] -= a[(i, k)] * factor;
-            }
+        let (before, column) = a.split_at_mut(j * n);
+        let least = n as f64 * f64::EPSILON * column[j];
+        // First D U, then U.
+        for i in 1..j {
+            let (above, own) = column.split_at_mut(i);
+            own[0] -= dot(&before[i * n..][..i], above);
         }
-        let pivot = a[(j, j)];
+        for i in 0..j {
+            let entry = column[i] * before[i * n + i];
+            column[j] -= column[i] * entry;
+            column[i] = entry;
+        }
         // Also where the pivot is no number.
-        if !(pivot > least && pivot.is_finite()) {
+        if !(column[j] > least && column[j].is_normal()) {
             return Err(j);
         }
-        let root = pivot.sqrt();
-        for i in j..n {
-            a[(i, j)] /= root;
-        }
+        column[j] = column[j].recip();
     }
     Ok(())
 }
 
-/// x with L L^T x = b, in place.
-pub(crate) fn solve(l: &DMatrix<f64>, x: &mut [f64]) {
+/// x with U^T D U x = b, in place.
+pub(crate) fn solve(u: &DMatrix<f64>, x: &mut [f64]) {
     let n = x.len();
+    let u = u.as_slice();
+    for j in 1..n {
+        let (above, own) = x.split_at_mut(j);
+        own[0] -= dot(&u[j * n..][..j], above);
+    }
     for j in 0..n {
-        x[j] /= l[(j, j)];
-        for i in j + 1..n {
-            x[i] -= l[(i, j)] * x[j];
+        x[j] *= u[j * n + j];
+    }
+    for j in (1..n).rev() {
+        let (above, own) = x.split_at_mut(j);
+        for (x, u) in above.iter_mut().zip(&u[j * n..]) {
+            *x -= u * own[0];
         }
     }
-    for j in (0..n).rev() {
-        for i in j + 1..n {
-            x[j] -= l[(i, j)] * x[i];
-        }
-        x[j] /= l[(j, j)];
-    }
+}
+
+#[inline]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::robot::kinematics::{Frame, Step};
 use crate::robot::{Inertial, JointKind};
 
 /// The rigid-body inertia of Featherstone 2008, equation 2.62: mass, first and second moments about a frame's origin.
@@ -16,7 +15,7 @@ pub(in crate::robot) struct SpatialInertia {
     pub inertia: Matrix3<f64>,
 }
 
-/// A force \[N\] and its moment about the origin of a frame \[N m\].
+/// A force \[N\] and its moment about a point of reference \[N m\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wrench {
     pub force: Vector3<f64>,
@@ -31,12 +30,12 @@ impl Wrench {
         }
     }
 
-    /// What of it acts along the joint of a body whose frame it is given in.
+    /// What of it acts along a joint whose axis passes through the point of reference.
     #[inline]
-    pub fn along(&self, step: &Step) -> f64 {
-        match step.kind {
-            JointKind::Revolute => step.axis.dot(&self.moment),
-            JointKind::Prismatic => step.axis.dot(&self.force),
+    pub fn along(&self, kind: JointKind, axis: &Vector3<f64>) -> f64 {
+        match kind {
+            JointKind::Revolute => axis.dot(&self.moment),
+            JointKind::Prismatic => axis.dot(&self.force),
         }
     }
 
@@ -46,13 +45,12 @@ impl Wrench {
         self.moment += other.moment;
     }
 
-    /// The same wrench about the origin of the frame that `frame` is given in, and in its directions.
+    /// The same wrench about a point from which `arm` leads to the old one.
     #[inline]
-    pub fn carried(&self, frame: &Frame) -> Self {
-        let force = frame.rotation * self.force;
+    pub fn carried(&self, arm: &Vector3<f64>) -> Self {
         Self {
-            force,
-            moment: frame.rotation * self.moment + frame.origin.cross(&force),
+            force: self.force,
+            moment: self.moment + arm.cross(&self.force),
         }
     }
 }
@@ -95,32 +93,45 @@ impl SpatialInertia {
 
     /// What gives a body at rest unit acceleration along its own joint.
     #[inline]
-    pub(super) fn starting(&self, step: &Step) -> Wrench {
-        match step.kind {
+    pub(super) fn starting(&self, kind: JointKind, axis: &Vector3<f64>) -> Wrench {
+        match kind {
             JointKind::Revolute => Wrench {
-                force: step.axis.cross(&self.moment),
-                moment: self.inertia * step.axis,
+                force: axis.cross(&self.moment),
+                moment: self.inertia * axis,
             },
             JointKind::Prismatic => Wrench {
-                force: step.axis * self.mass,
-                moment: self.moment.cross(&step.axis),
+                force: axis * self.mass,
+                moment: self.moment.cross(axis),
             },
         }
     }
 
-    /// The same body about the origin of the frame that `frame` is given in, and in its directions.
+    /// The same body in the directions that `rotation` takes its own to.
     #[inline]
-    pub fn carried(&self, frame: &Frame) -> Self {
-        let (r, rotation) = (&frame.origin, &frame.rotation);
-        let turned = rotation * self.moment;
-        let moment = turned + r * self.mass;
+    pub(super) fn turned(&self, rotation: &Matrix3<f64>) -> Self {
+        let half = rotation * self.inertia;
+        Self {
+            mass: self.mass,
+            moment: rotation * self.moment,
+            inertia: symmetric(|i, j| half.row(i).dot(&rotation.row(j))),
+        }
+    }
+
+    /// The same body about a point from which `arm` leads to the old one.
+    #[inline]
+    pub(super) fn carried(&self, arm: &Vector3<f64>) -> Self {
+        let (r, h) = (arm, &self.moment);
+        let moment = h + r * self.mass;
         // Points are r + x: the cross terms with r once in each of the two products.
+        let trace = moment.dot(r) + r.dot(h);
+        let inertia = symmetric(|i, j| {
+            let own = self.inertia[(i, j)] - r[i] * moment[j] - h[i] * r[j];
+            if i == j { own + trace } else { own }
+        });
         Self {
             mass: self.mass,
             moment,
-            inertia: rotation * self.inertia * rotation.transpose()
-                + parallel(&moment, r)
-                + parallel(r, &turned),
+            inertia,
         }
     }
 
@@ -130,6 +141,23 @@ impl SpatialInertia {
         self.moment += other.moment;
         self.inertia += other.inertia;
     }
+}
+
+/// From the entries on and above the diagonal.
+#[inline]
+fn symmetric(entry: impl Fn(usize, usize) -> f64) -> Matrix3<f64> {
+    let [xy, xz, yz] = [entry(0, 1), entry(0, 2), entry(1, 2)];
+    Matrix3::new(
+        entry(0, 0),
+        xy,
+        xz,
+        xy,
+        entry(1, 1),
+        yz,
+        xz,
+        yz,
+        entry(2, 2),
+    )
 }
 
 /// (a . b) 1 - b a^T

@@ -56,30 +56,24 @@ impl Dynamics {
         for (i, step) in robot.steps.iter().enumerate().skip(1) {
             let rate = step.multiplier * v[step.index];
             let acceleration = a.map_or(0.0, |a| step.multiplier * a[step.index]);
-            let parent = &self.bodies[step.parent];
-            let (rotation, r) = (&self.placed[i].rotation, &self.placed[i].origin);
-            let w = rotation.tr_mul(&parent.angular_velocity);
-            let origin = parent.acceleration
-                + parent.angular_acceleration.cross(r)
-                + parent
-                    .angular_velocity
-                    .cross(&parent.angular_velocity.cross(r));
-            let turning = rotation.tr_mul(&parent.angular_acceleration);
-            let carried = rotation.tr_mul(&origin);
-            let turn = step.axis * rate;
+            let (placed, parent) = (&self.placed[i], &self.bodies[step.parent]);
+            let (w, r) = (parent.angular_velocity, &placed.arm);
+            let turning = parent.angular_acceleration;
+            let carried = parent.acceleration + turning.cross(r) + w.cross(&w.cross(r));
+            let turn = placed.axis * rate;
             let (angular_velocity, angular_acceleration, linear) = match step.kind {
                 JointKind::Revolute => (
                     w + turn,
-                    turning + step.axis * acceleration + w.cross(&turn),
+                    turning + placed.axis * acceleration + w.cross(&turn),
                     carried,
                 ),
                 JointKind::Prismatic => (
                     w,
                     turning,
-                    carried + step.axis * acceleration + 2.0 * w.cross(&turn),
+                    carried + placed.axis * acceleration + 2.0 * w.cross(&turn),
                 ),
             };
-            let wrench = step
+            let wrench = placed
                 .inertia
                 .wrench(&angular_velocity, &angular_acceleration, &linear);
             self.bodies[i] = BodyState {
@@ -91,13 +85,13 @@ impl Dynamics {
         }
         self.forces.fill(0.0);
         for (i, step) in robot.steps.iter().enumerate().skip(1).rev() {
-            let wrench = self.bodies[i].wrench;
-            let effort = wrench.along(step);
+            let (placed, wrench) = (&self.placed[i], self.bodies[i].wrench);
+            let effort = wrench.along(step.kind, &placed.axis);
             self.efforts[i] = effort;
             self.forces[step.index] += step.multiplier * effort;
             self.bodies[step.parent]
                 .wrench
-                .add(&wrench.carried(&self.placed[i]));
+                .add(&wrench.carried(&placed.arm));
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{Dynamics, SpatialInertia, place};
+use super::{Dynamics, Placed, SpatialInertia, place};
 use crate::robot::Robot;
-use crate::robot::kinematics::{Frame, Step};
+use crate::robot::kinematics::Step;
 
 impl Dynamics {
     /// The mass matrix M(q) of the commanded joints \[kg m^2, kg m, kg\], joints x joints: exactly symmetric, and positive
@@ -47,7 +47,7 @@ impl Dynamics {
 /// The diagonal alone, in memory and (but for mimics) time proportional to the number of bodies.
 pub(in crate::robot) fn mass_diagonal(robot: &Robot, q: &[f64]) -> Vec<f64> {
     let steps = &robot.steps;
-    let mut placed = vec![Frame::identity(); steps.len()];
+    let mut placed = vec![Placed::base(); steps.len()];
     place(robot, q, &mut placed);
     let mut followers = vec![0; q.len()];
     for step in &steps[1..] {
@@ -73,32 +73,34 @@ pub(in crate::robot) fn mass_diagonal(robot: &Robot, q: &[f64]) -> Vec<f64> {
 /// multipliers multiplied in; the rest of a body's row is left out where `whole` says so.
 fn composite_bodies(
     steps: &[Step],
-    placed: &[Frame],
+    placed: &[Placed],
     composites: &mut [SpatialInertia],
     whole: impl Fn(&Step) -> bool,
     mut entry: impl FnMut(usize, usize, f64),
 ) {
-    for (composite, step) in composites.iter_mut().zip(steps) {
-        composite.clone_from(&step.inertia);
+    for (composite, placed) in composites.iter_mut().zip(placed) {
+        composite.clone_from(&placed.inertia);
     }
     for (i, step) in steps.iter().enumerate().skip(1).rev() {
-        let mut wrench = composites[i].starting(step);
-        let own = step.multiplier * step.multiplier * wrench.along(step);
+        let Placed { axis, arm, .. } = &placed[i];
+        let mut wrench = composites[i].starting(step.kind, axis);
+        let own = step.multiplier * step.multiplier * wrench.along(step.kind, axis);
         entry(step.index, step.index, 0.5 * own);
         if step.parent == 0 {
             continue;
         }
-        let carried = composites[i].carried(&placed[i]);
+        let carried = composites[i].carried(arm);
         composites[step.parent].add(&carried);
         if !whole(step) {
             continue;
         }
         let mut body = i;
         while steps[body].parent != 0 {
-            wrench = wrench.carried(&placed[body]);
+            wrench = wrench.carried(&placed[body].arm);
             body = steps[body].parent;
             let above = &steps[body];
-            let value = step.multiplier * above.multiplier * wrench.along(above);
+            let along = wrench.along(above.kind, &placed[body].axis);
+            let value = step.multiplier * above.multiplier * along;
             entry(step.index, above.index, value);
         }
     }

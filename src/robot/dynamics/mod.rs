@@ -11,7 +11,7 @@ mod mass_matrix;
 #[cfg(feature = "simulation")]
 mod stepping;
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 
 pub(super) use inertia::SpatialInertia;
 use inertia::Wrench;
@@ -20,7 +20,7 @@ pub(super) use mass_matrix::mass_diagonal;
 pub(crate) use stepping::{factorise, solve};
 
 use super::Robot;
-use super::kinematics::{Frame, Kinematics};
+use super::kinematics::Kinematics;
 
 /// Acceleration of gravity in the base frame \[m/s^2\]: the base stands upright, z up.
 pub const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
@@ -44,10 +44,9 @@ pub const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     kinematics: Kinematics,
-    /// Each body's frame in its parent's.
-    placed: Vec<Frame>,
+    placed: Vec<Placed>,
     bodies: Vec<BodyState>,
-    /// Of each body with all that it carries, in its frame.
+    /// Of each body with all that it carries.
     composites: Vec<SpatialInertia>,
     /// Generalized forces of the last call, an entry a joint.
     forces: Vec<f64>,
@@ -60,7 +59,31 @@ pub struct Dynamics {
     factor: DMatrix<f64>,
 }
 
-/// How a body moves and what it takes, in its own frame.
+/// A body in a configuration. Directions are those of the base frame, so that nothing is turned on its way from body to body, and points of
+/// reference the origins of the bodies' frames, so that no inertia is lost in that of a long lever.
+#[derive(Debug, Clone)]
+struct Placed {
+    /// From the body's directions.
+    rotation: Matrix3<f64>,
+    /// From the origin of the parent's frame.
+    arm: Vector3<f64>,
+    /// Of the joint.
+    axis: Vector3<f64>,
+    inertia: SpatialInertia,
+}
+
+impl Placed {
+    fn base() -> Self {
+        Self {
+            rotation: Matrix3::identity(),
+            arm: Vector3::zeros(),
+            axis: Vector3::zeros(),
+            inertia: SpatialInertia::zero(),
+        }
+    }
+}
+
+/// How a body moves and what it takes, as it is [`Placed`].
 #[derive(Debug, Clone)]
 struct BodyState {
     angular_velocity: Vector3<f64>,
@@ -83,7 +106,7 @@ impl Dynamics {
         };
         Self {
             kinematics: Kinematics::new(robot),
-            placed: vec![Frame::identity(); bodies],
+            placed: vec![Placed::base(); bodies],
             bodies: vec![still; bodies],
             composites: vec![SpatialInertia::zero(); bodies],
             forces: vec![0.0; joints],
@@ -95,7 +118,7 @@ impl Dynamics {
         }
     }
 
-    /// Puts every body where `q` has it in its parent's frame.
+    /// Puts every body where `q` has it.
     fn place(&mut self, robot: &Robot, q: &[f64]) {
         assert_eq!(
             self.placed.len(),
@@ -107,8 +130,15 @@ impl Dynamics {
     }
 }
 
-fn place(robot: &Robot, q: &[f64], placed: &mut [Frame]) {
-    for (step, frame) in robot.steps.iter().zip(placed).skip(1) {
-        *frame = step.frame(q);
+fn place(robot: &Robot, q: &[f64], placed: &mut [Placed]) {
+    for (i, step) in robot.steps.iter().enumerate().skip(1) {
+        let (parent, frame) = (&placed[step.parent].rotation, step.frame(q));
+        let rotation = parent * frame.rotation;
+        placed[i] = Placed {
+            arm: parent * frame.origin,
+            axis: rotation * step.axis,
+            inertia: step.inertia.turned(&rotation),
+            rotation,
+        };
     }
 }

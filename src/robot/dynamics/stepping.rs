@@ -8,6 +8,18 @@ use super::Dynamics;
 use crate::robot::Robot;
 
 impl Dynamics {
+    /// [`inverse`](Self::inverse) for the configuration that was asked about last, whatever was asked; `None` for no acceleration.
+    pub(crate) fn inverse_again(
+        &mut self,
+        robot: &Robot,
+        v: &[f64],
+        a: Option<&[f64]>,
+        gravity: &Vector3<f64>,
+    ) -> &[f64] {
+        self.newton_euler(robot, v, a, gravity);
+        &self.forces
+    }
+
     /// Makes of `forces` what they add to the accelerations of the configuration that [`forward`](Self::forward) was asked about
     /// last: M(q)^-1 times them.
     pub(crate) fn respond(&self, forces: &mut [f64]) {
@@ -17,6 +29,18 @@ impl Dynamics {
     /// The mass matrix of that configuration.
     pub(crate) fn last_mass_matrix(&self) -> &DMatrix<f64> {
         &self.mass
+    }
+
+    /// Kinetic and potential energy \[J\] at `q` and `v`.
+    pub(crate) fn energies_at(
+        &mut self,
+        robot: &Robot,
+        q: &[f64],
+        v: &[f64],
+        gravity: &Vector3<f64>,
+    ) -> [f64; 2] {
+        let kinetic = self.kinetic_energy(robot, q, v);
+        [kinetic, self.lifted(robot, gravity)]
     }
 
     /// Kinetic and potential energy \[J\] of the configuration that [`forward`](Self::forward) was asked about last, at
@@ -35,8 +59,8 @@ impl Dynamics {
         let potential = on_base
             .filter(|(_, step)| step.parent == 0)
             .map(|(i, _)| {
-                let (all, frame) = (&self.composites[i], &self.placed[i]);
-                -gravity.dot(&(frame.origin * all.mass + frame.rotation * all.moment))
+                let all = &self.composites[i];
+                -gravity.dot(&(self.placed[i].arm * all.mass + all.moment))
             })
             .sum();
         [kinetic, potential]

@@ -116,8 +116,8 @@ impl Step {
         }
     }
 
-    /// The body's frame in its parent's at configuration `q`.
-    #[inline]
+    /// The body's frame in its parent's at configuration `q`. Always inlined: handed over in memory, it is waited for.
+    #[inline(always)]
     pub fn frame(&self, q: &[f64]) -> Frame {
         let position = self.multiplier * q[self.index] + self.offset;
         match self.kind {

@@ -73,6 +73,11 @@ impl Kinematics {
         &self.frames
     }
 
+    /// The frames that were asked for last, or that something else was worked out from.
+    pub(in crate::robot) fn last_frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
     /// The twist of every body's frame at configuration `q` and velocity `v` \[rad/s, m/s\] of each joint.
     pub fn twists(&mut self, robot: &Robot, q: &[f64], v: &[f64]) -> &[Twist] {
         self.move_bodies(robot, q, v);
