@@ -56,9 +56,30 @@ fn report(at: &Path, code: i32, arguments: &[&str]) -> (Value, String) {
     (value, error)
 }
 
+/// The same with masses.
+fn heavy() -> String {
+    let inertial = r#"<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>"#;
+    URDF.replace("</link>", inertial)
+}
+
+/// Ten seconds at a kilohertz of standing still, but for one waypoint somewhere.
+fn spike() -> String {
+    let mut text = "time_s,shoulder,elbow,shoulder/velocity,elbow/velocity\n".to_owned();
+    for n in 0..=10_000 {
+        let velocity = if n == 5_003 { 1.0 } else { 0.0 };
+        text.push_str(&format!("{:?},0,0,{velocity},0\n", f64::from(n) / 1000.0));
+    }
+    text
+}
+
 fn check<'a>(motion: &'a str, options: &[&'a str]) -> Vec<&'a str> {
     let fixed = ["check", motion, "--robot", "two.urdf"];
-    fixed.into_iter().chain(options.iter().copied()).collect()
+    let count = if options.contains(&"--robot") { 2 } else { 4 };
+    fixed
+        .into_iter()
+        .take(count)
+        .chain(options.iter().copied())
+        .collect()
 }
 
 #[test]
@@ -93,6 +114,16 @@ fn what_does_not_pass_has_its_reason_and_exit_code_3() {
     for (name, content) in [
         ("slow.toml", "[limits.elbow]\nvelocity = 0.2\n"),
         (
+            "fast.toml",
+            "[limits.elbow]\nvelocity = 9\n[limits.shoulder]\nvelocity = 9\n",
+        ),
+        (
+            "unlimited.urdf",
+            &URDF.replacen("velocity=\"2\"", "velocity=\"0\"", 1),
+        ),
+        ("heavy.urdf", &heavy()),
+        ("spike.csv", &spike()),
+        (
             "ball.toml",
             "[[object]]\nname = \"ball\"\nsphere = { radius = 0.05 }\nposition = [0.2, 0, 1.0]\n",
         ),
@@ -121,6 +152,23 @@ fn what_does_not_pass_has_its_reason_and_exit_code_3() {
             "nod.csv",
             vec!["--limits", "slow.toml"],
             vec!["velocity-limit"],
+        ),
+        // What no joint may exceed, no file allows.
+        (
+            "nod.csv",
+            vec!["--limits", "fast.toml", "--max-velocity", "0.4"],
+            vec!["velocity-limit"],
+        ),
+        // A joint that nothing is known of may do nothing.
+        (
+            "nod.csv",
+            vec!["--robot", "unlimited.urdf"],
+            vec!["limit-missing"],
+        ),
+        (
+            "spike.csv",
+            vec!["--robot", "heavy.urdf"],
+            vec!["effort-limit"],
         ),
         (
             "nod.csv",
@@ -469,6 +517,14 @@ fn pairs_say_why_and_an_srdf_is_not_trusted_in_silence() {
     );
     let words = done(at, &check("nod.csv", &options));
     assert!(words.contains("touching in 1000 random configurations of seed 0"));
+    // Of this very move, and without being asked.
+    let quiet = ["--srdf", "two.srdf", "--scene", "floor.toml"];
+    let told = "the SRDF disables base and fore, and this motion makes them touch";
+    let (value, warnings) = report(at, 0, &check("back.csv", &quiet));
+    assert!(warnings.contains(told), "{warnings}");
+    assert!(value["warnings"].to_string().contains(told), "{value}");
+    let (_, warnings) = report(at, 0, &check("nod.csv", &quiet));
+    assert!(!warnings.contains(told), "{warnings}");
     // Kept, it is checked and refused.
     let kept: Vec<&str> = options
         .iter()

@@ -106,7 +106,17 @@ fn a_certificate_names_what_it_rests_on_and_holds() {
         .iter()
         .map(|e| e["what"].as_str().unwrap())
         .collect();
-    assert_eq!(named, ["urdf", "srdf", "scene", "motion", "joint map"]);
+    assert_eq!(
+        named,
+        [
+            "urdf",
+            "srdf",
+            "scene",
+            "motion",
+            "joint map",
+            "joint motion"
+        ]
+    );
     let limits = file["limits"].as_array().unwrap();
     assert!(
         limits
@@ -350,4 +360,75 @@ fn moves_have_certificates_too() {
     // The hash is the file's; where other joints stand is part of the motion that the proof is looked at with.
     let value = json(at, &all(&["verify", "lift.cert.json", "lift.csv"]));
     assert_eq!(value["rests_on"][0]["name"], "wave_arm");
+    // Of the same file, and not the same move.
+    let other = [
+        "verify",
+        "lift.cert.json",
+        "lift.csv",
+        "--robot",
+        "wave_arm",
+        "--at",
+        "elbow=21deg",
+    ];
+    let error = fails(at, 3, &other);
+    assert!(
+        error.contains("makes another motion of the joints"),
+        "{error}"
+    );
+}
+
+#[test]
+fn no_more_is_believed_than_planes_prove() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // Two capsules that stand askew beside each other: parry's search ends micrometres before the distance.
+    let urdf = r#"<robot name="pair"><link name="base"><collision><origin rpy="0.3 0.2 0.1"/>
+        <geometry><capsule radius="0.05" length="0.4"/></geometry></collision></link>
+        <link name="arm"><collision><origin xyz="0.3 0.07 0.11" rpy="1.1 -0.4 0.7"/>
+        <geometry><capsule radius="0.06" length="0.3"/></geometry></collision></link>
+        <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"#;
+    std::fs::write(at.join("pair.urdf"), urdf).unwrap();
+    std::fs::write(at.join("still.csv"), "time_s,hinge\n0,0.2\n1,0.2\n").unwrap();
+    let target = ["--robot", "pair.urdf", "--keep", "base:arm"];
+    let with = |arguments: &[&str]| -> Vec<String> {
+        arguments
+            .iter()
+            .chain(&target)
+            .map(|a| (*a).to_owned())
+            .collect()
+    };
+    let check = |margin: &str| {
+        let all = with(&[
+            "check",
+            "still.csv",
+            "--accuracy",
+            "1e-9",
+            "--margin",
+            margin,
+            "--certificate",
+            "c.json",
+        ]);
+        done(at, &all.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    check("0");
+    let report = with(&["check", "still.csv", "--accuracy", "1e-9"]);
+    let report = json(at, &report.iter().map(String::as_str).collect::<Vec<_>>());
+    let clearance = report["collision"]["clearance_m"][1].as_f64();
+    let clearance = clearance.unwrap_or_else(|| panic!("{}", report["collision"]));
+    let mut file: Value = serde_json::from_str(&read(at, "c.json")).unwrap();
+    for (more, code) in [(-1e-6, 0), (1e-7, 3), (8e-6, 3)] {
+        file["margin_m"] = object!(clearance + more);
+        file["clearance_above_m"] = object!(clearance + more);
+        std::fs::write(at.join("claim.json"), file.to_string()).unwrap();
+        let all = with(&["verify", "claim.json", "still.csv"]);
+        let all: Vec<&str> = all.iter().map(String::as_str).collect();
+        let output = run(at, &all);
+        assert_eq!(
+            output.status.code(),
+            Some(code),
+            "{more}: {}",
+            text(&output.stdout)
+        );
+    }
 }

@@ -187,7 +187,10 @@ impl CollisionModel {
             let (a, b) = model.pairs[pair].names.clone();
             let kept = |(c, d): &(String, String)| (*c == a && *d == b) || (*c == b && *d == a);
             // Links of several joints in one place, as of a wrist, are in each other by design.
-            if carried.contains(&(a.as_str(), b.as_str())) && !options.kept.iter().any(kept) {
+            if model.pairs[pair].is_checked()
+                && carried.contains(&(a.as_str(), b.as_str()))
+                && !options.kept.iter().any(kept)
+            {
                 model.pairs[pair].status = PairStatus::Adjacent;
                 continue;
             }

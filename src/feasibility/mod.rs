@@ -18,7 +18,7 @@ pub use player::{Plan, Planner, Player};
 
 use std::collections::BTreeMap;
 
-use crate::collision::{Certification, CollisionModel, MinimumClearance, Prover};
+use crate::collision::{Certification, CollisionModel, MinimumClearance, Moment, Prover};
 use crate::error::{Reason, Result};
 use crate::motion::Motion;
 use crate::robot::Robot;
@@ -110,16 +110,7 @@ impl Verdict {
         match &self.collision {
             Some(Certification::Clear { .. }) => {}
             Some(Certification::Collides { witness, .. }) => {
-                let nearest = self.clearance.as_ref().map(|c| &c.at);
-                let worst = nearest
-                    .filter(|at| at.distance < witness.distance)
-                    .unwrap_or(witness);
-                reasons.push(match worst {
-                    // Distances are less the padding, within which nothing meets yet.
-                    near if near.distance + near.padding > 0.0 => Reason::Clearance,
-                    near if near.is_with_scene => Reason::SceneCollision,
-                    _ => Reason::SelfCollision,
-                });
+                reasons.push(touching(self.worst(witness)));
             }
             Some(Certification::Undecided { .. }) => reasons.push(Reason::Undecided),
             // Not looked at: by itself that is no answer.
@@ -129,6 +120,14 @@ impl Verdict {
         reasons.sort_unstable();
         reasons.dedup();
         reasons
+    }
+
+    /// Where it is nearest to touching, as far as is known.
+    fn worst<'a>(&'a self, witness: &'a Moment) -> &'a Moment {
+        let nearest = self.clearance.as_ref().map(|c| &c.at);
+        nearest
+            .filter(|at| at.distance < witness.distance)
+            .unwrap_or(witness)
     }
 
     /// What does not pass, where and by how much, in words: the worst of each kind.
@@ -171,10 +170,23 @@ impl Verdict {
         let told = worst.into_iter();
         let mut told: Vec<String> = told.map(|(r, (_, what))| format!("{r}: {what}")).collect();
         match &self.collision {
-            Some(Certification::Collides { witness, .. }) => told.push(format!(
-                "{} and {} are {:.4} m apart at {:.3} s",
-                witness.pair.0, witness.pair.1, witness.distance, witness.time
-            )),
+            Some(Certification::Collides { witness, .. }) => {
+                let worst = self.worst(witness);
+                let distance = worst.distance + worst.padding;
+                told.push(format!(
+                    "{}: {} and {} are {:.4} m {} at {:.3} s",
+                    touching(worst),
+                    worst.pair.0,
+                    worst.pair.1,
+                    distance.abs(),
+                    if distance > 0.0 {
+                        "apart"
+                    } else {
+                        "deep in each other"
+                    },
+                    worst.time
+                ));
+            }
             Some(Certification::Undecided { stretches, .. }) => {
                 told.extend(stretches.first().map(|stretch| {
                     format!(
@@ -191,6 +203,16 @@ impl Verdict {
     /// Whether no limit is broken and nothing touches, for certain.
     pub fn passes(&self) -> bool {
         self.reasons().is_empty()
+    }
+}
+
+/// What such a distance breaks.
+fn touching(near: &Moment) -> Reason {
+    // Distances are less the padding, within which nothing meets yet.
+    match near {
+        near if near.distance + near.padding > 0.0 => Reason::Clearance,
+        near if near.is_with_scene => Reason::SceneCollision,
+        _ => Reason::SelfCollision,
     }
 }
 

@@ -285,6 +285,24 @@ fn one_link_with_a_shape_is_kept_clear_of_a_scene() {
 }
 
 #[test]
+fn links_that_meet_at_joints_far_apart_are_kept_apart() {
+    // Two joints and no shape between torso and hand: in each other at rest they are a wrist, and apart an arm that can reach back.
+    let arm = |length: f64| {
+        let urdf = format!(
+            r#"<robot name="reach"><link name="torso"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+            <link name="upper"/><link name="hand"><collision><origin xyz="{length} 0 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>
+            <joint name="shoulder" type="continuous"><parent link="torso"/><child link="upper"/><origin xyz="{length} 0 0"/><axis xyz="0 0 1"/></joint>
+            <joint name="elbow" type="continuous"><parent link="upper"/><child link="hand"/><axis xyz="0 0 1"/></joint></robot>"#
+        );
+        let robot = Robot::from_urdf(&urdf).unwrap();
+        let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+        model.pairs()[0].status.clone()
+    };
+    assert_eq!(arm(0.3), PairStatus::Checked);
+    assert_eq!(arm(0.1), PairStatus::Adjacent);
+}
+
+#[test]
 fn wishes_of_pairs_that_cannot_be_are_refused() {
     let robot = shipped::robot("wave_arm").unwrap();
     let names = |a: &str, b: &str| (a.to_owned(), b.to_owned());

@@ -617,6 +617,24 @@ fn robots() -> Vec<(&'static str, Vec<u8>, Must)> {
             .replacen("revolute", "continuous", 1),
             Load(20_000),
         ),
+        (
+            "misspelt",
+            chain(2, &shape.replace("collision", "colision"), |_| {
+                String::new()
+            }),
+            Refuse("<colision>, expected <collision>"),
+        ),
+        (
+            "misspelt_axis",
+            chain(2, shape, |_| "<axes xyz=\"0 1 0\"/>".into()),
+            Refuse("<axes>, expected <axis>"),
+        ),
+        // A thousand shapes on each of six links: fifteen million pairs of them.
+        (
+            "shapes_by_shapes",
+            chain(6, &shape.repeat(1000), |_| String::new()),
+            Load(6),
+        ),
         // The longest that can be checked against itself, and one that cannot: 300 links have 4.5 million joints between all pairs.
         (
             "shaped_snake",
@@ -710,6 +728,10 @@ fn whatever_is_wrong_is_told_within_bounds_of_memory() {
         );
         assert!(
             name != "long_shaped_snake" || told.uncheckable.contains("at most 4000000"),
+            "{told:?}"
+        );
+        assert!(
+            name != "shapes_by_shapes" || told.uncheckable.contains("pairs of shapes"),
             "{told:?}"
         );
         // The second shape of a geometry is not read, for it was not looked at.
