@@ -19,8 +19,9 @@ use crate::collision::{Certificate, Certification, CollisionModel, PairContacts,
 use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::feasibility::{CheckOptions, LimitUse, Verdict, limits_with, without_velocity_limit};
 use crate::figure::{ClearanceCourse, clearance};
+use crate::fourier::Derivative;
 use crate::motion::Motion;
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 
 /// Intervals of a figure.
 const COLUMNS: usize = 600;
@@ -268,11 +269,24 @@ impl Gate<'_> {
             warnings,
             ..Answer::of_error(name, Error::new(ErrorKind::Infeasible, "not looked at"))
         };
+        let is_wave = matches!(course, Course::Wave(_));
         answer.error = match course {
             Course::Wave(wave) => self.judge(&*wave, evidence, &mut answer),
             Course::Move(spline) => self.judge(&*spline, evidence, &mut answer),
         }
         .err();
+        let many = |l: &&LimitUse| {
+            l.quantity == Derivative::Position
+                && l.kind == JointKind::Revolute
+                && l.excess() > std::f64::consts::TAU
+        };
+        if !is_wave && let Some(limit) = answer.limits.iter().find(many) {
+            answer.warnings.push(format!(
+                "{} goes to {:.1} rad: if the angles of this file are degrees, --degrees",
+                limit.joint,
+                limit.range.magnitude()
+            ));
+        }
         answer
     }
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::moves::parse_position;
-use super::read_text;
 use super::robot::Reading;
+use super::{output, read_text};
 use crate::collision::{CollisionOptions, Evidence};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{CheckOptions, JointLimit, JointLimits};
@@ -104,7 +104,8 @@ pub(super) struct Demands {
     /// No joint may accelerate more [rad/s^2, m/s^2].
     #[arg(long, value_name = "ACCELERATION", allow_negative_numbers = true)]
     max_acceleration: Option<f64>,
-    /// Limits of joints in the place of the URDF's: tables [limits.JOINT] with position = [lower, upper], velocity, acceleration.
+    /// Limits of joints in the place of the URDF's: tables [limits.JOINT] with position = [lower, upper], velocity, acceleration; rad, m and those
+    /// a second, or text with a unit ("80deg", "90deg/s").
     #[arg(long, value_name = "TOML")]
     limits: Option<PathBuf>,
     /// How exactly the smallest clearance is told [m].
@@ -128,6 +129,17 @@ impl Demands {
             limits = JointLimits::from_toml(&text).map_err(|e| e.at(name.clone()))?;
             let print = Evidence::new("limits", &name, text.as_bytes());
             sources.push(format!("--limits {name} (sha256 {})", print.sha256));
+            for (index, joint) in robot.joints().iter().enumerate() {
+                let (given, own) = (limits.of(joint).position, robot.properties(index).position);
+                if let (Some(given), Some(own)) = (given, own)
+                    && given.hull(own) != own
+                {
+                    output::warn(format!(
+                        "{name} lets {joint} go from {} to {}, and the URDF from {} to {}: numbers are rad and m, text has a unit (\"80deg\")",
+                        given.lower, given.upper, own.lower, own.upper
+                    ));
+                }
+            }
         }
         if let Some(velocity) = self.max_velocity {
             sources.push(format!("--max-velocity {velocity}"));

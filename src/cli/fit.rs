@@ -8,8 +8,10 @@ use serde_json::json;
 use super::robot::{Reading, is_file, tell_notes};
 use super::{Outcome, output, read_text, read_wave};
 use crate::error::{Error, ErrorKind, Result};
+use crate::feasibility::limits;
 use crate::fourier::Derivative;
 use crate::retarget::{Person, Residual, RobotArm, ShoulderOrder};
+use crate::robot::JointKind;
 use crate::shipped;
 
 /// A direction this far off \[deg\] at some time is no longer the person's.
@@ -86,6 +88,21 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             output::warn(format!(
                 "{} is up to {peak:.0} deg away from where the person's points: this robot does not reach there with the others",
                 residual.segment.name()
+            ));
+        }
+    }
+    for limit in limits(&robot, &fit.wave)? {
+        let speed = limit.range.magnitude();
+        if limit.quantity == Derivative::Velocity && limit.excess() > 0.0 {
+            output::warn(format!(
+                "{} moves at up to {speed:.1} {}, and its limit is {:.1}: it changes over between two ways to point there, or the person is quick; \
+                 fewer --harmonics, other weights, or `undulate mend`",
+                limit.joint,
+                match limit.kind {
+                    JointKind::Revolute => "rad/s",
+                    JointKind::Prismatic => "m/s",
+                },
+                limit.limit.upper
             ));
         }
     }

@@ -14,6 +14,9 @@ use crate::error::Result;
 use crate::fourier::Wave;
 use crate::primitive::{FourierMovementPrimitive, LearnOptions, Offsets};
 
+/// A step from end to start that drawn waves cannot but make up for by speed \[rad\].
+const NOTABLE_JUMP: f64 = 0.2;
+
 /// A recording that leaves more of its energy than this to frequencies beyond K is worth a word.
 const MUCH_LEAKAGE: f64 = 0.05;
 
@@ -162,6 +165,11 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 worst.end_jump_joint,
                 worst.name
             ));
+            if worst.end_jump > NOTABLE_JUMP {
+                text.push_str(
+                    "\n  T is no whole number of their cycles, so what is drawn is quicker than they were: --period cycle bears that, `undulate compare-periods` compares",
+                );
+            }
         }
         let reference = primitive.chart().reference();
         text.push_str(&format!(

@@ -54,7 +54,7 @@ pub(super) struct Arguments {
     demands: Demands,
     #[command(flatten)]
     apart: Apart,
-    /// How many waves are drawn of a model.
+    /// How many waves are drawn of a model [default: 100].
     #[arg(short = 'n', long, value_name = "N")]
     count: Option<usize>,
     /// Seed of the draws.
@@ -151,7 +151,7 @@ impl Arguments {
         if let [path] = self.inputs.as_slice()
             && is_model(path)
         {
-            let count = self.count.unwrap_or(1);
+            let count = self.count.unwrap_or(100);
             if !(1..=MOST).contains(&count) {
                 return Err(Error::new(ErrorKind::Setting, format!("{count} waves"))
                     .expected(format!("from 1 to {MOST}")));

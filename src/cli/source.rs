@@ -23,7 +23,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Runs the chains where there are targets, and says so if they have not mixed.
+    /// Runs the chains where there are targets.
     pub fn new(
         primitive: FourierMovementPrimitive,
         targets: &[Target],
@@ -56,9 +56,12 @@ impl Source {
         bar.finish_and_clear();
         let diagnostics = posterior.diagnostics()?;
         if !diagnostics.mixed() {
-            output::warn(format!(
-                "these draws are not to be trusted: {diagnostics}; aim at less, or with larger standard deviations"
-            ));
+            return Err(Error::new(
+                ErrorKind::Infeasible,
+                format!("the chains have not mixed, and their draws are none of the posterior: {diagnostics}"),
+            )
+            .expected("targets that the demonstrations come near")
+            .help("aim at less, or with larger standard deviations (`+-5deg`)"));
         }
         let mut reached = Vec::new();
         for target in targets {

@@ -72,7 +72,7 @@ impl Certificate {
                 .all(|(pair, entry)| pair.names == entry.pair && pair.padding == entry.padding_m);
         if !same || model.not_checked() != file.not_checked {
             return Err(refuse("the pairs that are checked are others".to_owned())
-                .help("give the same SRDF and the same pairs to be left out"));
+                .help("give the same SRDF, padding, and pairs to be left out or kept"));
         }
         let sides = checked
             .iter()

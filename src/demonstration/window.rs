@@ -115,6 +115,8 @@ pub(super) fn cut(
         .expected("at least two")
         .help(if coarse {
             "are the times in milliseconds? `time_s` is seconds"
+        } else if left_out.is_empty() {
+            "give several recordings of the same gesture: from one nothing is known of how they vary"
         } else {
             "give longer recordings of the same gesture, or a shorter --duration"
         }));

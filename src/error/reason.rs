@@ -18,7 +18,7 @@ use super::{Error, ErrorKind};
 /// | `scene-collision` | a link meets an obstacle of the scene |
 /// | `clearance` | nothing meets, but two bodies come nearer than the margin asked for |
 /// | `undecided` | neither a collision nor its absence could be proven at the accuracy asked for |
-/// | `no-collision-geometry` | a link that moves has no collision geometry that could be checked |
+/// | `no-collision-geometry` | no two things have collision geometry, or that of a link could not be read |
 /// | `unknown-joint` | the motion names a joint that the robot does not have |
 /// | `missing-joint` | the motion names none of the joints it needs, or not all of them |
 /// | `start-unknown` | the first waypoint comes after time 0, and it is not said where the robot starts |

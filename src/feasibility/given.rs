@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use crate::error::{Error, ErrorKind, Reason, Result};
 use crate::fourier::{Interval, Joints};
+use crate::units::parse_angle_with_unit;
 
 /// Limits of one joint; what is `None` is not set.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -45,13 +46,34 @@ struct LimitFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    position: Option<[f64; 2]>,
-    velocity: Option<f64>,
-    acceleration: Option<f64>,
+    position: Option<[Quantity; 2]>,
+    velocity: Option<Quantity>,
+    acceleration: Option<Quantity>,
+}
+
+/// In SI units, or an angle with its unit as text: of degrees a second and a second squared too.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Quantity {
+    Number(f64),
+    Text(String),
+}
+
+impl Quantity {
+    fn value(&self) -> Result<f64> {
+        match self {
+            Self::Number(number) => Ok(*number),
+            Self::Text(text) => {
+                let angle = text.trim_end_matches("/s^2").trim_end_matches("/s");
+                parse_angle_with_unit(angle)
+            }
+        }
+    }
 }
 
 impl JointLimits {
-    /// Reads tables `[limits.JOINT]` with `position = [lower, upper]`, `velocity` and `acceleration`, in SI units.
+    /// Reads tables `[limits.JOINT]` with `position = [lower, upper]`, `velocity` and `acceleration`: numbers in rad or m, and those a second or
+    /// a second squared, or text such as `"80deg"`, `"90deg/s"`, `"5rad/s^2"`.
     ///
     /// # Errors
     /// When the text is no TOML of this form, or a limit is no limit (see [`with`](Self::with)).
@@ -72,16 +94,20 @@ impl JointLimits {
         file.limits
             .into_iter()
             .try_fold(Self::default(), |limits, (joint, entry)| {
-                limits.with(
-                    Some(&joint),
-                    JointLimit {
-                        position: entry
-                            .position
-                            .map(|[lower, upper]| Interval { lower, upper }),
-                        velocity: entry.velocity,
-                        acceleration: entry.acceleration,
-                    },
-                )
+                let here = |e: Error| e.at(format!("joint `{joint}`"));
+                let value = |of: &Option<Quantity>| of.as_ref().map(Quantity::value).transpose();
+                let position = entry.position.map(|[lower, upper]| {
+                    Ok(Interval {
+                        lower: lower.value()?,
+                        upper: upper.value()?,
+                    })
+                });
+                let limit = JointLimit {
+                    position: position.transpose().map_err(here)?,
+                    velocity: value(&entry.velocity).map_err(here)?,
+                    acceleration: value(&entry.acceleration).map_err(here)?,
+                };
+                limits.with(Some(&joint), limit)
             })
     }
 

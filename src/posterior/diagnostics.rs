@@ -176,7 +176,7 @@ impl fmt::Display for Diagnostics {
         if !self.mixed() {
             write!(
                 f,
-                ": NOT MIXED, not to be used as draws of the posterior (R-hat must be below {HIGHEST_R_HAT}, both effective samples at least {:.0}); warm up longer, draw more",
+                ": NOT MIXED, not to be used as draws of the posterior (R-hat must be below {HIGHEST_R_HAT}, both effective samples at least {:.0})",
                 LEAST_ESS * self.chains as f64
             )?;
         }

@@ -168,6 +168,23 @@ impl JointMap {
                 })?;
             }
         }
+        // With a map it is the map's word what becomes of a learned joint.
+        let follows = |name: &&String| {
+            robot.joints().index(name).is_err() && robot.moving().any(|(_, j)| j.name == **name)
+        };
+        if let Some(joint) = learned.iter().find(follows)
+            && self.0.is_empty()
+        {
+            return Err(Error::new(
+                ErrorKind::Name,
+                "the wave moves it, and the robot makes it follow another joint (mimic)",
+            )
+            .because(Reason::UnknownJoint)
+            .expected("a wave of joints that can be moved")
+            .help("leave it out by a joint map")
+            .at(format!("joint `{joint}`"))
+            .at(format!("robot `{}`", robot.name())));
+        }
         robot
             .joints()
             .iter()

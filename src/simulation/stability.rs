@@ -27,20 +27,29 @@ pub(super) fn require(
     }
     let mut dynamics = Dynamics::new(robot);
     let mut fastest = 0.0_f64;
+    let mut lightest = (0.0, 0);
     for posture in postures {
         let mass = dynamics.mass_matrix(robot, posture.as_slice());
         fastest = fastest.max(largest(mass, &damping, robot)?);
+        for (joint, damping) in damping.iter().enumerate() {
+            let alone = damping / mass[(joint, joint)];
+            if alone > lightest.0 {
+                lightest = (alone, joint);
+            }
+        }
     }
     if fastest * options.time_step < RUNGE_KUTTA {
         return Ok(());
     }
-    refuse(
+    let joint = robot.joints().name(lightest.1);
+    let refused: Result<()> = refuse(
         format!(
-            "the joints' damping is unstable with a time step of {} s",
+            "the joints' damping is unstable with a time step of {} s, first that of `{joint}`",
             options.time_step
         ),
         &format!("below {:.3e} s", RUNGE_KUTTA / fastest),
-    )
+    );
+    refused.map_err(|e| e.help("take a smaller step (--time-step), or the other plant"))
 }
 
 /// The largest eigenvalue of M^-1 diag(d): that of L^-1 diag(d) L^-T, which is symmetric.

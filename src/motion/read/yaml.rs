@@ -69,7 +69,7 @@ impl PlayMotion {
                 Err(Error::new(ErrorKind::Name, what)
                     .because(Reason::UnknownMotion)
                     .expected(format!("one of {}", listed(&names)))
-                    .help("choose a motion by its name")
+                    .help("choose a motion by its name (--motion), or look at all (--all-motions)")
                     .at(self.name))
             }
         }
