@@ -303,3 +303,25 @@ fn a_crate_that_builds_c_is_named() {
         "undulate v0.1.0\nalloca v0.4.0\ncc v1.2.3\nlinux-raw-sys v0.12.1\nopenssl-sys v0.9.0\n";
     assert_eq!(foreign(tree), ["cc v1.2.3", "openssl-sys v0.9.0"]);
 }
+
+#[test]
+fn the_readme_shows_the_test_that_a_user_runs() {
+    let readme = include_str!("../README.md");
+    let shown = format!(
+        "```rust,ignore\n{}```",
+        include_str!("user/tests/gesture.rs")
+    );
+    assert!(
+        readme.contains(&shown),
+        "tests/user/tests/gesture.rs is another"
+    );
+    let dependency = readme.lines().find(|line| line.contains("\"testing\"]"));
+    let features = |line: &str| {
+        line.split_once("default-features")
+            .map(|(_, rest)| rest.to_owned())
+    };
+    let manifest = include_str!("user/Cargo.toml").lines();
+    let own = manifest.filter(|line| line.starts_with("undulate"));
+    let own: Vec<_> = own.map(features).collect();
+    assert_eq!(own, [dependency.and_then(features)]);
+}

@@ -7,8 +7,11 @@ mod distance;
 mod gestures;
 mod robots;
 
-/// What is fuzzed, by the names of targets and folders of seeds.
-pub const TARGETS: [(&str, fn(&[u8])); 14] = [
+/// A name, of a folder of seeds too, and what is done with bytes.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// What is fuzzed.
+pub const TARGETS: [Target; 14] = [
     ("recording", gestures::recording),
     ("model", gestures::model),
     ("wave", gestures::wave),

@@ -84,6 +84,17 @@
 //!
 //! Between them lies what the trials leave open: there the first fails and the second passes.
 //!
+//! # Properties of a robot's motions
+//!
+//! | asked | by |
+//! |---|---|
+//! | `keeps_limits` (feature `robot`) | rigorous bounds over the whole motion; efforts as estimated |
+//! | `keeps_clear` (feature `robot`) | proof, between samples too |
+//! | `tracks_within` (feature `simulation`) | execution |
+//! | [`fails_at_most`], and of a primitive's waves [`fails_rarely`] | [`demonstrate_below`], of independent draws |
+//!
+//! Each returns an error that says which joint or pair, when, by how much and what was allowed.
+//!
 //! # Panics
 //!
 //! Wrong arguments (a probability outside 0..1, no samples or too few to mean anything, a strategy that can produce nothing) panic
@@ -98,6 +109,7 @@ mod circular;
 mod covariance;
 mod distribution;
 mod energy;
+mod failures;
 mod family;
 mod gaussian;
 mod independence;
@@ -105,6 +117,8 @@ mod law;
 mod mean;
 mod probability;
 mod quantile;
+#[cfg(feature = "robot")]
+mod robot;
 mod seed;
 mod sequential;
 mod strategy;
@@ -114,12 +128,17 @@ pub use circular::{circular_mean, circular_spread};
 pub use covariance::covariance;
 pub use distribution::distribution;
 pub use energy::energy;
+pub use failures::{Failures, fails_at_most, fails_rarely};
 pub use family::Family;
 pub use gaussian::gaussian;
 pub use independence::independence;
 pub use mean::{bounded_mean, mean};
 pub use probability::{demonstrate_below, refute_above};
 pub use quantile::quantile;
+#[cfg(feature = "simulation")]
+pub use robot::tracks_within;
+#[cfg(feature = "robot")]
+pub use robot::{keeps_clear, keeps_limits};
 pub use seed::{Seed, seeds};
 pub use sequential::retest;
 pub use strategy::*;

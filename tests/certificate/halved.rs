@@ -1,57 +1,14 @@
 //! A bound that is halved on purpose is caught: the same fuzz, on motions that understate how far they go.
 
-use undulate::{
-    Certification, CollisionModel, CollisionOptions, Derivative, Extremes, Joints, Motion, State,
-    Tube, Wave, WaveTube, stream,
-};
+#[path = "../common/halved.rs"]
+mod motion;
+
+use undulate::{Certification, CollisionModel, CollisionOptions, stream};
 
 use crate::dense::Dense;
 use crate::robots::{THIN, carousel};
 use crate::waves::random_wave;
-
-/// A wave that says it goes half as far as it does.
-struct Halved(Wave);
-
-struct HalvedTube<'a>(WaveTube<'a>);
-
-impl Motion for Halved {
-    type Tube<'a> = HalvedTube<'a>;
-
-    fn joints(&self) -> &Joints {
-        self.0.joints()
-    }
-
-    fn duration(&self) -> f64 {
-        self.0.period()
-    }
-
-    fn is_periodic(&self) -> bool {
-        true
-    }
-
-    fn state_into(&self, t: f64, state: &mut State) {
-        self.0.state_into(t, state);
-    }
-
-    fn extremes(&self, joint: usize, derivative: Derivative) -> Extremes {
-        Motion::extremes(&self.0, joint, derivative)
-    }
-
-    fn tube(&self) -> HalvedTube<'_> {
-        HalvedTube(self.0.tube())
-    }
-}
-
-impl Tube for HalvedTube<'_> {
-    fn pieces(&self, pieces: &mut Vec<(f64, f64)>) {
-        self.0.pieces(pieces);
-    }
-
-    fn over(&mut self, middle: f64, half: f64, position: &mut [f64], radius: &mut [f64]) {
-        self.0.over(middle, half, position, radius);
-        radius.iter_mut().for_each(|r| *r /= 2.0);
-    }
-}
+use motion::Halved;
 
 #[test]
 fn a_bound_that_is_halved_is_caught() {
