@@ -1,5 +1,6 @@
 //! Robots and joint maps that come with the crate, embedded in it.
 
+use crate::demonstration::DEMONSTRATOR_JOINTS;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Joints;
 use crate::retarget::{JointMap, RobotArm, Source};
@@ -215,12 +216,15 @@ pub fn map_text(name: &str) -> Option<&'static str> {
     found.map(|(.., toml)| *toml)
 }
 
-/// The shipped map that takes most of these learned joints to a robot, and its name; `None` when none fits.
+/// The shipped map that takes most of these learned joints to a robot, and its name; `None` when none fits. Maps for the synthetic demonstrator
+/// are for its joints alone.
 ///
 /// # Errors
 /// None that the shipped files could cause.
 pub fn map_for(robot: &str, learned: &Joints) -> Result<Option<(&'static str, JointMap)>> {
-    let mut best: Option<(usize, &str, JointMap)> = None;
+    // Of the demonstrator's joints some have names that a person's have, and another sense.
+    let is_demonstrator = learned.iter().eq(DEMONSTRATOR_JOINTS.iter().copied());
+    let mut best: Option<((bool, usize), &str, JointMap)> = None;
     for (name, its_robot, toml) in MAPS {
         if its_robot != robot {
             continue;
@@ -234,8 +238,12 @@ pub fn map_for(robot: &str, learned: &Joints) -> Result<Option<(&'static str, Jo
             })
             .collect();
         let fits = used.iter().all(|joint| learned.iter().any(|l| l == *joint));
-        if fits && best.as_ref().is_none_or(|(n, ..)| used.len() > *n) {
-            best = Some((used.len(), name, map));
+        let rank = (
+            name.ends_with("_demonstrator") == is_demonstrator,
+            used.len(),
+        );
+        if fits && best.as_ref().is_none_or(|(of, ..)| rank > *of) {
+            best = Some((rank, name, map));
         }
     }
     Ok(best.map(|(_, name, map)| (name, map)))
@@ -244,7 +252,6 @@ pub fn map_for(robot: &str, learned: &Joints) -> Result<Option<(&'static str, Jo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demonstration::DEMONSTRATOR_JOINTS;
 
     #[test]
     fn everything_shipped_loads_and_the_map_is_found_by_the_joints() {
@@ -271,7 +278,11 @@ mod tests {
             "wrist_flexion",
             "wrist_deviation",
         ];
-        assert_eq!(found(&human), Some("wave_arm_human"));
+        for robot in robots() {
+            let joints = Joints::new(human).unwrap();
+            let (name, _) = map_for(robot, &joints).unwrap().unwrap();
+            assert_eq!(name, format!("{robot}_human"));
+        }
         assert_eq!(found(&["a", "b"]), None);
     }
 }

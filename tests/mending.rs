@@ -10,8 +10,8 @@ use undulate::num_complex::Complex;
 use undulate::{
     Change, CheckOptions, CollisionModel, CollisionOptions, CsvOptions, Demonstrations, Derivative,
     Duration, Dynamics, FourierMovementPrimitive, GRAVITY, JointLimit, JointLimits, JointMap,
-    LoadOptions, Means, MeshFiles, PeriodGrid, Reason, Recording, Robot, Srdf, Wave, efforts, mend,
-    shipped, stream, synthetic,
+    LoadOptions, Means, MeshFiles, Motion, PeriodGrid, Reason, Recording, Robot, Spline, Srdf,
+    StartPosture, State, Wave, Waypoint, Waypoints, efforts, mend, shipped, stream, synthetic,
 };
 
 /// Of the grid on which mended waves are looked at \[Hz\].
@@ -110,6 +110,98 @@ fn amplitudes_shrink_to_the_limit_and_no_farther() {
         panic!("{:?}", shifted.changes);
     };
     assert!(shifted.verdict.passes() && joint == "elbow" && (by + 0.2).abs() < 1e-5);
+}
+
+#[test]
+fn means_help_in_any_order() {
+    let Arm { robot, collision } = arm("wave_arm");
+    // Too far bent, and too fast besides: neither hides what the other needs.
+    let range = robot.properties(3).position.unwrap();
+    let wave = swing(&robot, 0.3, range.upper + 0.1, 4.0);
+    for means in [
+        [Means::Shift, Means::ShrinkOffending],
+        [Means::ShrinkOffending, Means::Shift],
+    ] {
+        let options = CheckOptions::default();
+        let mended = mend(&robot, &mut collision.prover(), &wave, &options, &means).unwrap();
+        assert!(
+            mended.verdict.passes(),
+            "{means:?}: {:?}",
+            mended.verdict.faults()
+        );
+    }
+}
+
+/// The arm with friction in its elbow.
+fn rubbing() -> Robot {
+    let text = shipped::robot_text("wave_arm").unwrap();
+    let at = text.find("<joint name=\"elbow\"").unwrap();
+    let end = at + text[at..].find("</joint>").unwrap();
+    let joint = &text[at..end];
+    let joint = match joint.find("<dynamics") {
+        Some(start) => {
+            let stop = start + joint[start..].find("/>").unwrap() + 2;
+            format!("{}{}", &joint[..start], &joint[stop..])
+        }
+        None => joint.to_owned(),
+    };
+    let friction = "<dynamics damping=\"0.1\" friction=\"3\"/>";
+    Robot::from_urdf(&format!("{}{joint}{friction}{}", &text[..at], &text[end..])).unwrap()
+}
+
+#[test]
+fn efforts_are_told_on_both_sides_of_their_jumps() {
+    // A joint that turns back while it is lifted: friction changes sign where the torque is largest.
+    let robot = rubbing();
+    let wave = swing(&robot, 0.3, 1.2, 0.7);
+    let told = efforts(&robot, &wave).unwrap();
+    let elbow = told.iter().find(|e| e.joint == "elbow").unwrap();
+    let mut dynamics = Dynamics::new(&robot);
+    let (mut lower, mut upper) = (f64::INFINITY, f64::NEG_INFINITY);
+    for n in 0..200_000 {
+        let state = wave.state(wave.period() * f64::from(n) / 200_000.0);
+        let [q, v, a] =
+            [&state.position, &state.velocity, &state.acceleration].map(|x| x.as_slice());
+        let tau = dynamics.inverse(&robot, q, v, a, &GRAVITY)[3];
+        let rubbed = tau + 0.1 * v[3] + 3.0 * v[3].signum();
+        (lower, upper) = (lower.min(rubbed), upper.max(rubbed));
+    }
+    let slack = 1e-6 * (upper - lower);
+    assert!(elbow.range.lower <= lower + slack, "{elbow:?} {lower}");
+    assert!(elbow.range.upper >= upper - slack, "{elbow:?} {upper}");
+    // A cubic move: accelerations jump at its waypoints, to where no sample within is.
+    let joints = robot.joints().clone();
+    // Time, position, velocity.
+    let rows = [[0.0, 0.9, 2.0], [1.0, 1.5, -2.0], [1.6, 0.9, 0.0]];
+    let (mut q, mut v) = (Vec::new(), Vec::new());
+    for [_, position, velocity] in rows {
+        let (mut at, mut rate) = (vec![0.4; 6], vec![0.0; 6]);
+        (at[3], rate[3]) = (position, velocity);
+        q.push(at);
+        v.push(rate);
+    }
+    let waypoints = rows.iter().enumerate().map(|(n, row)| Waypoint {
+        time: row[0],
+        positions: &q[n],
+        velocities: Some(&v[n]),
+        accelerations: None,
+    });
+    let waypoints = Waypoints::new(joints, waypoints).unwrap();
+    let spline = Spline::new(&waypoints, StartPosture::Given).unwrap();
+    let told = efforts(&robot, &spline).unwrap();
+    let elbow = told.iter().find(|e| e.joint == "elbow").unwrap();
+    let mut state = State::zeros(6);
+    for time in [1e-7, 1.0 - 1e-7, 1.0 + 1e-7, 1.6 - 1e-7] {
+        spline.state_into(time, &mut state);
+        let [q, v, a] =
+            [&state.position, &state.velocity, &state.acceleration].map(|x| x.as_slice());
+        let tau = dynamics.inverse(&robot, q, v, a, &GRAVITY)[3];
+        let rubbed = tau + 0.1 * v[3] + 3.0 * v[3].signum();
+        assert!(
+            (elbow.range.lower - 1e-4..=elbow.range.upper + 1e-4).contains(&rubbed),
+            "{time}: {rubbed} {elbow:?}"
+        );
+    }
 }
 
 #[test]

@@ -113,4 +113,10 @@ fn what_cannot_be_performed_is_not_written() {
         "velocity-limit",
     );
     refused(1, &["--margin", "5", "-o", "m.json"], "clearance");
+    // Eight waypoints in ten seconds are no wave.
+    refused(
+        1,
+        &["--rate", "0.1", "-o", "m.json"],
+        "leaves the wave by up to",
+    );
 }

@@ -4,7 +4,8 @@ use undulate::nalgebra::{DMatrix, DVector};
 use undulate::num_complex::Complex;
 use undulate::{
     CheckOptions, Checker, CollisionModel, CollisionOptions, JointLimit, JointLimits, Leg, Motion,
-    Passages, Planner, Player, Reason, Robot, State, Wave, shipped, stream, synthetic,
+    Passages, Planner, Player, Reason, Robot, Scene, State, Verdict, Wave, shipped, stream,
+    synthetic,
 };
 use undulate::{FourierMovementPrimitive, Means, mend, rand::distr::Distribution};
 
@@ -252,6 +253,56 @@ fn a_wave_is_changed_while_it_runs_and_stopped_within_what_was_said() {
         "stops take up to {longest:.3} s, said {:.3} s",
         player.longest_stop()
     );
+}
+
+#[test]
+fn a_plan_is_of_one_player_alone() {
+    let arm = arm("wave_arm", 3);
+    let options = CheckOptions::default();
+    let mut planner = Planner::new(&arm.robot, &arm.collision, options, STEP).unwrap();
+    let mut one = planner.start(&arm.waves[0], &arm.robot.rest()).unwrap();
+    let mut other = planner.start(&arm.waves[1], &arm.robot.rest()).unwrap();
+    let plan = planner.change(&one, &arm.waves[2], 0.1).unwrap();
+    let error = other.take(plan.clone()).unwrap_err();
+    assert!(
+        error.to_string().contains("a plan for what is not played"),
+        "{error}"
+    );
+    assert!(one.take(plan).is_ok());
+}
+
+#[test]
+fn touching_oneself_does_not_hide_behind_touching_the_scene() {
+    let robot = shipped::robot("wave_arm").unwrap();
+    let arm = arm("wave_arm", 1);
+    // Through the torso, and through a ball around the base.
+    let mut wave = arm.waves[0].clone();
+    for draw in 0.. {
+        let primitive = FourierMovementPrimitive::learn(&synthetic(0).unwrap(), 25).unwrap();
+        let map = shipped::map("wave_arm_demonstrator").unwrap();
+        wave = map
+            .apply(&primitive.sample(&mut stream(5, draw)), &robot)
+            .unwrap();
+        if !arm.collision.certify(&wave, 0.0, &[]).unwrap().is_clear() {
+            break;
+        }
+    }
+    let scene =
+        Scene::from_toml("[[object]]\nname = \"fog\"\nsphere = { radius = 3.0 }\n").unwrap();
+    let options = CollisionOptions {
+        scene,
+        ..CollisionOptions::default()
+    };
+    let collision = CollisionModel::new(&robot, &options).unwrap();
+    let asked = CheckOptions {
+        accuracy: Some(1e-3),
+        ..CheckOptions::default()
+    };
+    let verdict = Verdict::with(&robot, &mut collision.prover(), &wave, &asked).unwrap();
+    let reasons = verdict.reasons();
+    for reason in [Reason::SelfCollision, Reason::SceneCollision] {
+        assert!(reasons.contains(&reason), "{reasons:?}");
+    }
 }
 
 #[test]

@@ -113,7 +113,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let (waypoints, between) = match &course {
         Course::Wave(wave) => {
             let waypoints = Waypoints::sampled(&**wave, arguments.rate)?;
-            let between = departure(wave, &waypoints, format);
+            let h = wave.duration() / (waypoints.len() - 1) as f64;
+            let between = departure(wave, h, format);
             (waypoints, between)
         }
         // As it is run, but for velocities and accelerations where the format has none.
@@ -173,11 +174,9 @@ fn tell_start(wave: &Wave) {
     }
 }
 
-/// By how much the controller's spline through these waypoints may leave the wave \[rad, m\]: the remainder of Hermite's interpolation by
+/// By how much the controller's spline through waypoints `h` \[s\] apart may leave the wave \[rad, m\]: the remainder of Hermite's interpolation by
 /// quintics, or by lines; `None` where nothing interpolates.
-fn departure(wave: &Wave, waypoints: &Waypoints, format: Format) -> Option<f64> {
-    let segments = (waypoints.len() - 1) as f64;
-    let h = wave.duration() / segments;
+pub(super) fn departure(wave: &Wave, h: f64, format: Format) -> Option<f64> {
     let (order, divisor) = match format {
         Format::Csv | Format::Json => (6, 46080.0),
         Format::Yaml => (2, 8.0),

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::demands::{Apart, Demands};
-use super::export::Format;
+use super::export::{Format, departure};
 use super::moves::posture;
 use super::robot::{RobotArguments, tell_notes};
 use super::{Outcome, output, read_wave};
@@ -15,6 +15,12 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{Passages, Verdict};
 use crate::fourier::Wave;
 use crate::motion::{Motion, Spline, StartPosture, Waypoint, Waypoints};
+
+/// What the controller makes of the waypoints follows the wave to this \[rad, m\].
+const ON_WAVE: f64 = 1e-4;
+
+/// How often the rate is doubled to make it so.
+const DOUBLINGS: usize = 3;
 
 /// From rest into a wave, on to further waves, and back to rest: one smooth move that a controller can run.
 #[derive(Args)]
@@ -55,7 +61,8 @@ pub(super) struct Arguments {
         default_value_t = 1.0
     )]
     ease: f64,
-    /// At least so many waypoints a second [default: 100, or twice, four or eight times as many where it takes that to keep the limits].
+    /// At least so many waypoints a second [default: 100]; twice, four or eight times as many where it takes that to
+    /// keep the limits and to follow the wave.
     #[arg(long, value_name = "HERTZ", allow_negative_numbers = true)]
     rate: Option<f64>,
     /// The move: .csv, .json (trajectory_msgs/JointTrajectory) or .mcap.
@@ -104,16 +111,32 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         let verdict = Verdict::with(&robot, &mut collision.prover(), &spline, &options)?;
         Ok::<_, Error>((waypoints, verdict))
     };
-    let rates = match arguments.rate {
-        Some(rate) => vec![rate],
-        None => vec![100.0, 200.0, 400.0, 800.0],
+    let leaves = |rate: f64| {
+        let each = waves
+            .iter()
+            .map(|wave| departure(wave, 1.0 / rate, Format::Csv));
+        each.flatten().fold(0.0, f64::max)
     };
-    let (mut waypoints, mut verdict) = through(rates[0])?;
-    for rate in &rates[1..] {
-        if verdict.passes() {
+    let mut rate = arguments.rate.unwrap_or(100.0);
+    let (mut waypoints, mut verdict) = through(rate)?;
+    for _ in 0..DOUBLINGS {
+        if verdict.passes() && leaves(rate) <= ON_WAVE {
             break;
         }
-        (waypoints, verdict) = through(*rate)?;
+        rate *= 2.0;
+        (waypoints, verdict) = through(rate)?;
+    }
+    if leaves(rate) > ON_WAVE {
+        return Err(Error::new(
+            ErrorKind::Infeasible,
+            format!(
+                "through {} waypoints it leaves the wave by up to {:.1e} rad",
+                waypoints.len(),
+                leaves(rate)
+            ),
+        )
+        .expected(format!("at most {ON_WAVE} rad"))
+        .help("ask for a higher --rate"));
     }
     if let Some(reason) = verdict.reasons().first() {
         return Err(Error::new(

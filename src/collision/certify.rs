@@ -148,6 +148,18 @@ impl Prover<'_> {
         Ok(self.told(&found, motion))
     }
 
+    /// A moment at which the motion itself makes links touch each other, or objects of the scene (`with_scene`), if there is one.
+    ///
+    /// # Errors
+    /// When the motion is not of the robot's joints.
+    pub fn touches<M: Motion>(&mut self, motion: &M, with_scene: bool) -> Result<Option<Moment>> {
+        self.search.with_scene = Some(with_scene);
+        let found = self.found(motion, 0.0, &[], false);
+        self.search.with_scene = None;
+        let witness = found?.upper;
+        Ok(witness.map(|at| self.model.moment(&at, Some(motion))))
+    }
+
     pub(super) fn model(&self) -> &CollisionModel {
         self.model
     }

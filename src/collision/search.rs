@@ -57,6 +57,8 @@ pub(super) struct Search<'m> {
     lanes: Vec<u8>,
     /// Of each interval, what is left open.
     left: [Vec<usize>; LANES],
+    /// Looks at pairs with the scene alone, or at pairs of links alone; at all when `None`.
+    pub with_scene: Option<bool>,
 }
 
 impl<'m> Search<'m> {
@@ -70,6 +72,7 @@ impl<'m> Search<'m> {
             next: Stack::default(),
             lanes: vec![0; model.pairs.len()],
             left: std::array::from_fn(|_| Vec::new()),
+            with_scene: None,
         }
     }
 
@@ -110,12 +113,18 @@ impl<'m> Search<'m> {
         self.left.iter_mut().for_each(Vec::clear);
         let mut found = Found::new(goal, keep);
         self.batch.is_plain = keep;
-        let all = &self.model.checked;
-        if all.is_empty() {
+        let model = self.model;
+        let is_asked = |pair: &&usize| {
+            let with_scene = model.pairs[**pair].parts.0 < model.scene;
+            self.with_scene.is_none_or(|asked| asked == with_scene)
+        };
+        let all = model.checked.iter().filter(is_asked);
+        self.level.open.extend(all);
+        let count = self.level.open.len();
+        if count == 0 {
             return found;
         }
-        self.level.open.extend_from_slice(all);
-        self.level.shared = all.len();
+        self.level.shared = count;
         if matches!(goal, Goal::Least(_)) {
             scatter(&mut self.pieces);
         }
@@ -123,7 +132,7 @@ impl<'m> Search<'m> {
             self.level.nodes.push(Node {
                 middle: *middle,
                 half: *half,
-                pairs: (0, all.len()),
+                pairs: (0, count),
                 lower: f64::NEG_INFINITY,
             });
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Change, LimitUse, Mended, Verdict};
+use super::{Change, LimitUse, Mended, Verdict, touching};
 use crate::collision::{Certification, Evidence};
 use crate::document;
 use crate::error::{Error, ErrorKind, Reason, Result};
@@ -322,7 +322,12 @@ fn severity(verdict: &Verdict, reason: Reason) -> f64 {
     let limits = verdict.limits.iter().filter(|l| l.reason() == Some(reason));
     let efforts = verdict.efforts.iter().flatten();
     let efforts = efforts.filter(|e| e.reason() == Some(reason));
+    let too = verdict
+        .touches_too
+        .as_ref()
+        .filter(|m| touching(m) == reason);
     let distance = match (&verdict.clearance, &verdict.collision) {
+        _ if too.is_some() => too.map_or(0.0, |moment| -moment.distance),
         (Some(found), _) => -found.lower,
         (None, Some(Certification::Collides { witness, .. })) => -witness.distance,
         _ => 0.0,

@@ -9,6 +9,10 @@ use crate::robot::{BodyJoint, Dynamics, GRAVITY, JointKind, Robot};
 /// Samples on each piece of a motion: a piece is about half a cycle of its highest harmonic, and torques have twice its frequency; or a segment of
 /// a spline, a polynomial.
 const SAMPLES: usize = 12;
+/// So near to an end of a piece, as a share of its half: accelerations may jump there.
+const BESIDE: f64 = 1.0 - 1e-9;
+/// To find where a joint turns back, where friction jumps.
+const HALVINGS: usize = 30;
 /// Parabolas that are laid through a peak, one after the other.
 const PARABOLAS: usize = 4;
 /// A peak whose sample is below the highest by no more than this share of the range may be the highest: with six samples a cycle, one may lie
@@ -17,8 +21,8 @@ const RIVAL: f64 = 0.07;
 
 /// The torque or force that a motion takes of a joint, beside the limit: inverse dynamics with damping and friction, under gravity.
 ///
-/// An estimate: the largest and smallest of samples, some sixteen a cycle of the highest harmonic, each refined by parabolas. Between samples nothing
-/// is proven, other than for [`LimitUse`](super::LimitUse).
+/// An estimate: the largest and smallest of samples, some sixteen a cycle of the highest harmonic, each refined by parabolas, and of both sides of where
+/// accelerations or friction jump. Between samples nothing is proven, other than for [`LimitUse`](super::LimitUse).
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffortUse {
     /// The joint, commanded or mimicking.
@@ -80,10 +84,28 @@ pub fn efforts<M: Motion>(robot: &Robot, motion: &M) -> Result<Vec<EffortUse>> {
     for (time, _) in &times {
         rows.extend_from_slice(plant.efforts(motion, *time));
     }
+    // Where efforts jump they are taken on either side.
+    let mut jumps: Vec<f64> = pieces
+        .iter()
+        .flat_map(|(middle, half)| [-1.0, 1.0].map(|end| middle + end * half * BESIDE))
+        .collect();
+    plant.reversals(motion, &times, &mut jumps);
+    let mut beside = Vec::with_capacity(jumps.len() * joints);
+    for time in &jumps {
+        beside.extend_from_slice(plant.efforts(motion, *time));
+    }
     let uses = (0..joints).map(|j| {
         let column: Vec<f64> = rows.iter().skip(j).step_by(joints).copied().collect();
-        let (lower_time, lower) = plant.highest(motion, j, &times, &column, -1.0);
-        let (upper_time, upper) = plant.highest(motion, j, &times, &column, 1.0);
+        let (mut lower_time, mut lower) = plant.highest(motion, j, &times, &column, -1.0);
+        let (mut upper_time, mut upper) = plant.highest(motion, j, &times, &column, 1.0);
+        for (time, effort) in jumps.iter().zip(beside.iter().skip(j).step_by(joints)) {
+            if *effort < lower {
+                (lower_time, lower) = (*time, *effort);
+            }
+            if *effort > upper {
+                (upper_time, upper) = (*time, *effort);
+            }
+        }
         let joint = plant.joints[j].1;
         EffortUse {
             joint: joint.name.clone(),
@@ -115,6 +137,39 @@ impl<'a> Plant<'a> {
             state: State::zeros(robot.joints().len()),
             efforts: vec![0.0; joints.len()],
             joints,
+        }
+    }
+
+    /// Appends times just before and after those at which a joint with friction turns back, between two samples.
+    fn reversals<M: Motion>(&mut self, motion: &M, times: &[(f64, f64)], reversals: &mut Vec<f64>) {
+        let rubbing: Vec<usize> = (0..self.joints.len())
+            .filter(|j| self.joints[*j].1.properties.friction > 0.0)
+            .collect();
+        if rubbing.is_empty() {
+            return;
+        }
+        let mut rate = |time: f64, j: usize| {
+            motion.state_into(time, &mut self.state);
+            let joint = self.joints[j].1;
+            joint.multiplier * self.state.velocity[joint.index]
+        };
+        for pair in times.windows(2) {
+            for j in &rubbing {
+                let (mut before, mut after) = (pair[0].0, pair[1].0);
+                let forth = rate(before, *j) > 0.0;
+                if forth == (rate(after, *j) > 0.0) {
+                    continue;
+                }
+                for _ in 0..HALVINGS {
+                    let middle = before + (after - before) / 2.0;
+                    if (rate(middle, *j) > 0.0) == forth {
+                        before = middle;
+                    } else {
+                        after = middle;
+                    }
+                }
+                reversals.extend([before, after]);
+            }
         }
     }
 

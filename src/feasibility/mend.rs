@@ -230,9 +230,9 @@ impl Workshop<'_, '_> {
         Ok((wave.slowed(factor)?, changes.into_iter().collect()))
     }
 
-    /// For each joint the factor that its limits of position, velocity and acceleration allow, 1 where all are kept; `None` where none would.
-    fn factors(&self, wave: &Wave) -> Result<Vec<Option<f64>>> {
-        let mut factors = vec![Some(1.0_f64); wave.joints().len()];
+    /// For each joint the factor that its limits of position, velocity and acceleration allow, 1 where all are kept that any would keep.
+    fn factors(&self, wave: &Wave) -> Result<Vec<f64>> {
+        let mut factors = vec![1.0_f64; wave.joints().len()];
         for limit in self.limits(wave)? {
             if limit.excess() == 0.0 {
                 continue;
@@ -249,11 +249,11 @@ impl Workshop<'_, '_> {
                 middle - limit.limit.lower,
                 middle - limit.range.lower,
             ));
-            let factor = (factor >= 0.0).then_some(factor * (1.0 - SPARE));
-            factors[joint.index] = match (factors[joint.index], factor) {
-                (Some(a), Some(b)) => Some(a.min(b)),
-                _ => None,
-            };
+            // Where the offset itself is beyond a limit, no amplitude helps: what the other limits need is told all the same.
+            if factor >= 0.0 {
+                let known = &mut factors[joint.index];
+                *known = known.min(factor * (1.0 - SPARE));
+            }
         }
         Ok(factors)
     }
@@ -262,12 +262,11 @@ impl Workshop<'_, '_> {
         let mut factors = vec![1.0; wave.joints().len()];
         for _ in 0..ROUNDS {
             let found = self.factors(&wave.scaled(&factors)?)?;
-            if found.iter().all(|f| *f == Some(1.0)) {
+            if found.iter().all(|f| *f == 1.0) {
                 break;
             }
             for (factor, found) in factors.iter_mut().zip(found) {
-                // Where the offset itself is beyond a limit, no amplitude helps.
-                *factor *= found.unwrap_or(1.0);
+                *factor *= found;
             }
         }
         // Of those that need too much effort, together.
@@ -301,7 +300,7 @@ impl Workshop<'_, '_> {
         let mut factor = 1.0;
         for _ in 0..ROUNDS {
             let found = self.factors(&wave.scaled(&vec![factor; joints])?)?;
-            let least = found.iter().flatten().fold(1.0, |a: f64, b| a.min(*b));
+            let least = found.iter().fold(1.0, |a: f64, b| a.min(*b));
             if least == 1.0 {
                 break;
             }

@@ -45,6 +45,8 @@ pub struct Verdict {
     pub efforts: Option<Vec<EffortUse>>,
     /// Whether it keeps clear of itself and of the scene; `None` when that was not looked at.
     pub collision: Option<Certification>,
+    /// Where it touches the scene, if `collision` is of the robot with itself, or itself, if that is with the scene: one does not hide the other.
+    pub touches_too: Option<Moment>,
     /// Where it comes nearest to touching, if that was asked for.
     pub clearance: Option<MinimumClearance>,
 }
@@ -66,6 +68,7 @@ impl Verdict {
             limits,
             efforts: None,
             collision: None,
+            touches_too: None,
             clearance: None,
         };
         if verdict.broken().next().is_none() {
@@ -85,15 +88,21 @@ impl Verdict {
         motion: &M,
         options: &CheckOptions,
     ) -> Result<Self> {
-        Ok(Self {
+        let mut verdict = Self {
             limits: limits_with(robot, motion, &options.limits)?,
             efforts: known_efforts(robot, motion)?,
             collision: Some(prover.certify(motion, options.margin, &options.tolerance)?),
+            touches_too: None,
             clearance: options
                 .accuracy
                 .map(|accuracy| prover.minimum_clearance(motion, accuracy))
                 .transpose()?,
-        })
+        };
+        if let Some(Certification::Collides { witness, .. }) = &verdict.collision {
+            let with_scene = verdict.worst(witness).is_with_scene;
+            verdict.touches_too = prover.touches(motion, !with_scene)?;
+        }
+        Ok(verdict)
     }
 
     /// The limits that are broken.
@@ -111,6 +120,7 @@ impl Verdict {
             Some(Certification::Clear { .. }) => {}
             Some(Certification::Collides { witness, .. }) => {
                 reasons.push(touching(self.worst(witness)));
+                reasons.extend(self.touches_too.as_ref().map(touching));
             }
             Some(Certification::Undecided { .. }) => reasons.push(Reason::Undecided),
             // Not looked at: by itself that is no answer.

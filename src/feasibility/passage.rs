@@ -27,6 +27,10 @@ const SLOWER: usize = 5;
 
 /// Postures on the way that are tried where no straight way is clear.
 const DETOURS: u64 = 200;
+/// How long one runs up to a motion, or out of it \[s\].
+const RUN: [f64; 4] = [0.0, 0.1, 0.25, 0.5];
+/// Phases from which detours are tried where nothing goes straight.
+const APPROACHES: usize = 4;
 
 /// A wave with its beginning and its end.
 #[derive(Debug, Clone)]
@@ -235,8 +239,15 @@ impl<'a, 'm> Passages<'a, 'm> {
                 }
             }
         }
-        if let Some((_, number, _)) = quickest.first() {
-            let (_, from, to, known) = &ways[*number];
+        // Where no straight way keeps the limits, any may have one by a posture.
+        let tried: Vec<usize> = match quickest.first() {
+            Some((_, number, _)) => vec![*number],
+            None => (0..ways.len())
+                .step_by(ways.len().div_ceil(APPROACHES).max(1))
+                .collect(),
+        };
+        for number in tried {
+            let (_, from, to, known) = &ways[number];
             if let Some(way) = self.detour(from, to, least)? {
                 return Ok((way, known.clone()));
             }
@@ -271,6 +282,20 @@ impl<'a, 'm> Passages<'a, 'm> {
     fn detour(&mut self, from: &State, to: &State, least: f64) -> Result<Option<Spline>> {
         let joints = self.robot.joints();
         let mut random = ChaCha8Rng::seed_from_u64(0);
+        // A run-up to where it goes, or a run-out from where it comes, is short at either end.
+        let near = RUN.iter().flat_map(|run| {
+            [
+                &to.position - &to.velocity * *run,
+                &from.position + &from.velocity * *run,
+            ]
+        });
+        for position in near {
+            let mut via = State::zeros(joints.len());
+            via.position = position;
+            if let Some(way) = self.by(from, &via, to, least)? {
+                return Ok(Some(way));
+            }
+        }
         for n in 0..DETOURS {
             // About the middle, and farther and farther from it.
             let spread = 0.2 + 2.0 * n as f64 / DETOURS as f64;
@@ -284,23 +309,25 @@ impl<'a, 'm> Passages<'a, 'm> {
                     None => position,
                 };
             }
-            let half = least / 2.0;
-            let (Some(first), Some(second)) = (
-                self.quickest(from, &via, half)?,
-                self.quickest(&via, to, half)?,
-            ) else {
-                continue;
-            };
-            let way = between(
-                joints,
-                &[from, &via, to],
-                &[first.duration(), second.duration()],
-            )?;
-            if self.is_within(&way)? && self.is_clear(&way)? {
+            if let Some(way) = self.by(from, &via, to, least)? {
                 return Ok(Some(way));
             }
         }
         Ok(None)
+    }
+
+    /// By a posture, at rest there, if that keeps the limits and is clear.
+    fn by(&mut self, from: &State, via: &State, to: &State, least: f64) -> Result<Option<Spline>> {
+        let half = least / 2.0;
+        let (Some(first), Some(second)) = (
+            self.quickest(from, via, half)?,
+            self.quickest(via, to, half)?,
+        ) else {
+            return Ok(None);
+        };
+        let lengths = [first.duration(), second.duration()];
+        let way = between(self.robot.joints(), &[from, via, to], &lengths)?;
+        Ok((self.is_within(&way)? && self.is_clear(&way)?).then_some(way))
     }
 
     fn is_within(&self, way: &Spline) -> Result<bool> {

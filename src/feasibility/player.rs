@@ -29,8 +29,9 @@ pub struct Planner<'a, 'm> {
 pub struct Plan {
     /// Of the timeline that it continues.
     version: u64,
-    /// When it takes over \[s\].
+    /// When it takes over \[s\], and in which state.
     at: f64,
+    leaves: State,
     parts: Vec<(f64, Part)>,
     stops: Stops,
 }
@@ -58,6 +59,8 @@ pub struct Player {
     now: usize,
     stops: Stops,
     is_stopping: bool,
+    /// Where it would be when a plan takes over.
+    scratch: State,
 }
 
 #[derive(Debug, Clone)]
@@ -170,6 +173,7 @@ impl<'a, 'm> Planner<'a, 'm> {
             now: 0,
             stops,
             is_stopping: false,
+            scratch: State::zeros(wave.joints().len()),
         })
     }
 
@@ -216,13 +220,14 @@ impl<'a, 'm> Planner<'a, 'm> {
             );
         }
         let end = at + way.duration();
+        let mut parts = Vec::with_capacity(PARTS);
+        parts.push((at, Part::Move(way)));
+        parts.push((end, Part::Wave(wave.clone(), phase)));
         Ok(Plan {
             version: player.version,
             at,
-            parts: vec![
-                (at, Part::Move(way)),
-                (end, Part::Wave(wave.clone(), phase)),
-            ],
+            leaves: runs.state(from + (at - begin)),
+            parts,
             stops,
         })
     }
@@ -279,35 +284,53 @@ impl Player {
         }
     }
 
-    /// Takes a plan; what it replaces is given back, to be dropped where that costs nothing.
+    /// Whether a plan goes on from where this player will be.
+    fn leads_to(&mut self, plan: &Plan) -> bool {
+        let Some((begin, Part::Wave(wave, from))) = self.parts.last() else {
+            return false;
+        };
+        if plan.leaves.position.len() != self.joints.len() {
+            return false;
+        }
+        wave.state_into(from + (plan.at - begin), &mut self.scratch);
+        self.scratch == plan.leaves
+    }
+
+    /// Takes a plan; what it replaces is given back, to be dropped where that costs nothing. Allocates nothing.
     ///
     /// # Errors
-    /// When it is too late for it, or something else was taken since it was made: what runs goes on.
+    /// When it is too late for it, something else was taken since it was made, or it was made for another player: what runs goes on.
     pub fn take(&mut self, plan: Plan) -> Result<Plan> {
         let late = plan.at < self.time();
-        if late || plan.version != self.version || self.is_stopping {
+        if late || plan.version != self.version || self.is_stopping || !self.leads_to(&plan) {
             let why = if late {
                 "a plan whose time has passed"
             } else {
-                "a plan for what is no longer played"
+                "a plan for what is not played, or no longer"
             };
             return Err(Error::new(ErrorKind::Infeasible, why)
                 .expected("a plan made from the player as it is, with lead enough")
                 .help("plan again, with more lead"));
         }
         let Plan {
-            parts, stops, at, ..
+            mut parts,
+            stops,
+            at,
+            leaves,
+            ..
         } = plan;
-        let finished = self.parts.drain(..self.now).collect();
+        // What runs and what is to come before goes on, in the plan's memory, which has room for it and for a stop.
+        let own = self.parts.len() - self.now;
+        parts.reserve(own + 1);
+        parts.extend(self.parts.drain(self.now..));
+        parts.rotate_right(own);
         self.now = 0;
-        self.parts.extend(parts);
-        // A stop finds room.
-        self.parts.reserve(1);
         self.version += 1;
         Ok(Plan {
             version: self.version,
             at,
-            parts: finished,
+            leaves,
+            parts: std::mem::replace(&mut self.parts, parts),
             stops: std::mem::replace(&mut self.stops, stops),
         })
     }

@@ -41,6 +41,7 @@ pub fn keeps_limits<M: Motion>(robot: &Robot, motion: &M) -> Result<()> {
         limits,
         efforts,
         collision: None,
+        touches_too: None,
         clearance: None,
     })
 }
@@ -74,6 +75,7 @@ pub fn keeps_clear<M: Motion>(collision: &CollisionModel, motion: &M, margin: f6
         limits: Vec::new(),
         efforts: None,
         collision: Some(found.unwrap_or_else(|e| panic!("motion: {e}"))),
+        touches_too: None,
         clearance: None,
     };
     without_fault(&verdict).map_err(|e| e.expected(format!("more than {margin} m")))
