@@ -39,7 +39,7 @@ impl Apart {
         let pairs = |option: &str, texts: &[String]| -> Result<Vec<(String, String)>> {
             texts.iter().map(|text| pair(option, text)).collect()
         };
-        let pair_padding = self
+        let pair_padding: Vec<((String, String), f64)> = self
             .pair_padding
             .iter()
             .map(|text| {
@@ -52,7 +52,6 @@ impl Apart {
                 Ok((pair("--pair-padding", names)?, metres))
             })
             .collect::<Result<_>>()?;
-        let pair_padding: Vec<((String, String), f64)> = pair_padding;
         for (n, ((a, b), _)) in pair_padding.iter().enumerate() {
             let again =
                 |((c, d), _): &&((String, String), f64)| (a == c && b == d) || (a == d && b == c);

@@ -184,17 +184,16 @@ impl CollisionModel {
         }
         let carried = pairs::neighbours(robot);
         for pair in model.checker().touching(&robot.rest()) {
-            let (a, b) = model.pairs[pair].names.clone();
-            let kept = |(c, d): &(String, String)| (*c == a && *d == b) || (*c == b && *d == a);
+            let pair = &mut model.pairs[pair];
             // Links of several joints in one place, as of a wrist, are in each other by design.
-            if model.pairs[pair].is_checked()
-                && carried.contains(&(a.as_str(), b.as_str()))
-                && !options.kept.iter().any(kept)
+            if pair.is_checked()
+                && carried.contains(&(pair.names.0.as_str(), pair.names.1.as_str()))
+                && !options.kept.iter().any(|(a, b)| pair.is(a, b))
             {
-                model.pairs[pair].status = PairStatus::Adjacent;
+                pair.status = PairStatus::Adjacent;
                 continue;
             }
-            match &mut model.pairs[pair].status {
+            match &mut pair.status {
                 status @ PairStatus::Checked => *status = PairStatus::TouchingAtRest,
                 PairStatus::Rigid { touching } => *touching = true,
                 _ => {}

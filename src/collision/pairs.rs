@@ -63,7 +63,8 @@ impl Pair {
         self.status.is_checked()
     }
 
-    fn is(&self, a: &str, b: &str) -> bool {
+    /// Whether it is of these two, in either order.
+    pub(super) fn is(&self, a: &str, b: &str) -> bool {
         (self.names.0 == a && self.names.1 == b) || (self.names.0 == b && self.names.1 == a)
     }
 }

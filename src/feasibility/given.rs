@@ -60,13 +60,18 @@ enum Quantity {
 }
 
 impl Quantity {
-    fn value(&self) -> Result<f64> {
+    /// `per` is what follows the unit of an angle: nothing for positions. Another quantity than is asked for is none.
+    fn value(&self, per: &str) -> Result<f64> {
         match self {
             Self::Number(number) => Ok(*number),
-            Self::Text(text) => {
-                let angle = text.trim_end_matches("/s^2").trim_end_matches("/s");
-                parse_angle_with_unit(angle)
-            }
+            Self::Text(text) => match text.strip_suffix(per) {
+                Some(angle) => parse_angle_with_unit(angle),
+                None => Err(Error::new(ErrorKind::Setting, format!("`{text}`"))
+                    .because(Reason::Invalid)
+                    .expected(format!(
+                        "a number, or text that ends in deg{per} or rad{per}"
+                    ))),
+            },
         }
     }
 }
@@ -95,17 +100,19 @@ impl JointLimits {
             .into_iter()
             .try_fold(Self::default(), |limits, (joint, entry)| {
                 let here = |e: Error| e.at(format!("joint `{joint}`"));
-                let value = |of: &Option<Quantity>| of.as_ref().map(Quantity::value).transpose();
+                let value = |of: &Option<Quantity>, per: &str| {
+                    of.as_ref().map(|of| of.value(per)).transpose()
+                };
                 let position = entry.position.map(|[lower, upper]| {
                     Ok(Interval {
-                        lower: lower.value()?,
-                        upper: upper.value()?,
+                        lower: lower.value("")?,
+                        upper: upper.value("")?,
                     })
                 });
                 let limit = JointLimit {
                     position: position.transpose().map_err(here)?,
-                    velocity: value(&entry.velocity).map_err(here)?,
-                    acceleration: value(&entry.acceleration).map_err(here)?,
+                    velocity: value(&entry.velocity, "/s").map_err(here)?,
+                    acceleration: value(&entry.acceleration, "/s^2").map_err(here)?,
                 };
                 limits.with(Some(&joint), limit)
             })
@@ -218,6 +225,29 @@ mod tests {
         assert_eq!(of("b", speed(3.0)), Some(2.0));
         assert_eq!(of("b", JointLimit::default()), Some(2.0));
         assert_eq!(limits.over("b", speed(1.0)).acceleration, None);
+    }
+
+    #[test]
+    fn text_has_the_unit_of_its_quantity() {
+        let read = |text: &str| JointLimits::from_toml(&format!("[limits.a]\n{text}\n"));
+        let own =
+            read("position = [0, \"180deg\"]\nvelocity = \"90deg/s\"\nacceleration = \"2rad/s^2\"");
+        let own = own.unwrap().of("a");
+        let turn = std::f64::consts::PI;
+        assert_eq!(own.position.unwrap().upper, turn);
+        assert_eq!(
+            (own.velocity, own.acceleration),
+            (Some(turn / 2.0), Some(2.0))
+        );
+        for wrong in [
+            "position = [0, \"80deg/s\"]",
+            "velocity = \"90deg\"",
+            "velocity = \"90deg/s^2\"",
+            "acceleration = \"90deg/s\"",
+            "velocity = \"/s\"",
+        ] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]
