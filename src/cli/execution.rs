@@ -38,6 +38,9 @@ pub(super) struct ExecutionArguments {
     /// Motors alone, without the torque that the model says the motion needs.
     #[arg(long)]
     no_feed_forward: bool,
+    /// Without observing what the feed-forward misses: springs yield to it.
+    #[arg(long)]
+    no_observer: bool,
     /// Motors give whatever is asked of them.
     #[arg(long)]
     no_effort_limits: bool,
@@ -82,6 +85,7 @@ impl ExecutionArguments {
             solver_iterations: self.solver_iterations,
             damping: self.damping,
             friction: self.friction,
+            observer: !self.no_observer,
             torque_error: self.torque_error,
             payload: self.payload.as_deref().map(payload).transpose()?,
             pushes: self

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-use super::loads::Losses;
+use super::loads::{Losses, gathered};
+use super::observer::Observer;
 use super::options::{Control, Plant, SimulationOptions};
 use super::semi_implicit::SemiImplicit;
 use crate::fourier::State;
@@ -52,6 +53,8 @@ impl Gains {
 ///   Where a period is several steps, it is taken in the middle.
 /// * Runge-Kutta makes of a torque that is held over a period the velocity of its mean. So it is inverse dynamics in the middle
 ///   of the period, at (q, v) there and (v_{n+1} - v_n)/T; what is wanted is the motion itself.
+///
+/// What it misses of the plant's dynamics is observed and fed forward too; see [`Observer`].
 pub(super) struct Controller<'a, M> {
     robot: &'a Robot,
     motion: &'a M,
@@ -69,6 +72,8 @@ pub(super) struct Controller<'a, M> {
     /// Old rate and new one; or position and velocity in the middle.
     rates: [DVector<f64>; 2],
     acceleration: DVector<f64>,
+    observer: Option<Observer>,
+    efforts: Vec<f64>,
     command: Command,
 }
 
@@ -95,6 +100,10 @@ impl<'a, M: Motion> Controller<'a, M> {
             after: zeros,
             rates: [DVector::zeros(joints), DVector::zeros(joints)],
             acceleration: DVector::zeros(joints),
+            observer: options
+                .observer
+                .then(|| Observer::new(robot, options.bandwidth, period)),
+            efforts: vec![0.0; joints],
             command: Command {
                 position: [DVector::zeros(joints), DVector::zeros(joints)],
                 velocity: [DVector::zeros(joints), DVector::zeros(joints)],
@@ -116,8 +125,9 @@ impl<'a, M: Motion> Controller<'a, M> {
         (self.now.position.clone(), velocity)
     }
 
-    /// What is sent at the time `tick` periods after the start; to be asked for 0, 1, 2 and so on.
-    pub fn next(&mut self, tick: usize) -> &Command {
+    /// What is sent at the time `tick` periods after the start; to be asked for 0, 1, 2 and so on. The joints have come to `velocity`, and
+    /// motors `gave` so much on average since what was sent before.
+    pub fn next(&mut self, tick: usize, velocity: &DVector<f64>, gave: &DVector<f64>) -> &Command {
         let period = self.period;
         let (before, now, after) = (&self.before, &self.now, &mut self.after);
         self.motion.state_into((tick + 1) as f64 * period, after);
@@ -159,14 +169,34 @@ impl<'a, M: Motion> Controller<'a, M> {
             let efforts = match self.plant {
                 Plant::Rapier => self.step.efforts(robot, [q, v, a], None, self.dt),
                 Plant::Rk4 => {
-                    let (q, v, a) = (q.as_slice(), v.as_slice(), a.as_slice());
-                    self.dynamics.inverse(robot, q, v, a, &GRAVITY);
+                    self.dynamics.mass_matrix(robot, q.as_slice());
+                    let (v, a) = (v.as_slice(), Some(a.as_slice()));
+                    self.dynamics.inverse_again(robot, v, a, &GRAVITY);
                     self.dynamics.body_efforts()
                 }
             };
             for (body, joint) in robot.moving() {
                 let resistance = self.losses[body].at(joint.multiplier * losing[joint.index]);
                 command.forward[body] = self.share * (efforts[body] + resistance);
+            }
+        }
+        if self.share != 0.0
+            && let Some(observer) = &mut self.observer
+        {
+            let robot = self.robot;
+            let mass = match self.plant {
+                Plant::Rapier => self.step.last_mass_matrix(),
+                Plant::Rk4 => self.dynamics.last_mass_matrix(),
+            };
+            if tick > 0 {
+                observer.see(velocity, gave);
+            }
+            gathered(robot, &command.forward, &mut self.efforts);
+            observer.expect(&self.efforts, (mass, self.share), a, velocity);
+            for (body, joint) in robot.moving() {
+                if robot.is_commanded(joint) {
+                    command.forward[body] += observer.missing()[joint.index];
+                }
             }
         }
         std::mem::swap(&mut self.before, &mut self.now);

@@ -30,8 +30,11 @@ pub(super) struct Drive {
     hold: usize,
     matrix: DMatrix<f64>,
     right: Vec<f64>,
-    needed: Vec<f64>,
-    before: Vec<Option<f64>>,
+    /// What motors must bear, and the mass matrix, in the middle of the step.
+    needed: DVector<f64>,
+    mass: DMatrix<f64>,
+    /// Both at the start of the step before.
+    before: Option<(DVector<f64>, DMatrix<f64>)>,
     acceleration: DVector<f64>,
     is_saturated: Vec<bool>,
 }
@@ -58,8 +61,9 @@ impl Drive {
             hold,
             matrix: DMatrix::zeros(joints, joints),
             right: vec![0.0; joints],
-            needed: vec![0.0; joints],
-            before: vec![None; joints],
+            needed: DVector::zeros(joints),
+            mass: DMatrix::zeros(joints, joints),
+            before: None,
             acceleration: DVector::zeros(joints),
             is_saturated: vec![false; joints],
         }
@@ -90,19 +94,7 @@ impl Drive {
         self.taken += 1;
         let share = self.taken as f64 / self.hold as f64;
         let dt = self.dt;
-        let mass = dynamics.last_mass_matrix();
-        // What the motors must bear, in the middle of the step: it goes on as it did in the step before.
-        for (j, free) in self.needed.iter_mut().enumerate() {
-            let now: f64 = mass
-                .column(j)
-                .iter()
-                .zip(free_accelerations)
-                .map(|(m, a)| m * a)
-                .sum();
-            let before = self.before[j].unwrap_or(now);
-            *free = now + 0.5 * (now - before);
-            self.before[j] = Some(now);
-        }
+        self.look_ahead(dynamics.last_mass_matrix(), free_accelerations);
         self.is_saturated.fill(false);
         // What the motors give were the acceleration 0.
         for (j, gains) in self.gains.iter().enumerate() {
@@ -114,7 +106,7 @@ impl Drive {
             self.right[j] = tau[j];
         }
         loop {
-            self.matrix.copy_from(mass);
+            self.matrix.copy_from(&self.mass);
             for (j, gains) in self.gains.iter().enumerate() {
                 let own = if self.is_saturated[j] {
                     0.0
@@ -153,6 +145,33 @@ impl Drive {
             }
         }
         Ok(())
+    }
+
+    /// What motors must bear and the mass matrix in the middle of the step: they go on as they did in the step before.
+    fn look_ahead(&mut self, mass: &DMatrix<f64>, free_accelerations: &DVector<f64>) {
+        for (j, needed) in self.needed.iter_mut().enumerate() {
+            let row = mass.column(j);
+            *needed = row.iter().zip(free_accelerations).map(|(m, a)| m * a).sum();
+        }
+        self.mass.copy_from(mass);
+        let ahead = |now: &mut f64, before: &mut f64| {
+            let step = *now - *before;
+            *before = *now;
+            *now += 0.5 * step;
+        };
+        match &mut self.before {
+            None => self.before = Some((self.needed.clone(), self.mass.clone())),
+            Some((needed, mass)) => {
+                self.needed
+                    .iter_mut()
+                    .zip(needed.iter_mut())
+                    .for_each(|(now, before)| ahead(now, before));
+                self.mass
+                    .iter_mut()
+                    .zip(mass.iter_mut())
+                    .for_each(|(now, before)| ahead(now, before));
+            }
+        }
     }
 
     /// What acceleration takes off a torque.

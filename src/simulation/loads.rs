@@ -6,6 +6,9 @@ use super::options::{Push, Pushed, SimulationOptions};
 use crate::error::Result;
 use crate::robot::{Frame, JointKind, Robot};
 
+/// Times are rounded: what is to begin by so small a share of a step after the step does, begins with it.
+pub(super) const EARLY: f64 = 1e-6;
+
 /// Damping and friction of a body's joint.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Losses {
@@ -92,9 +95,9 @@ impl Load {
         })
     }
 
-    /// In a step that begins at `time`, of a simulation in steps of `dt`: times are rounded, and a push begins no step late.
+    /// In a step that begins at `time`, of a simulation in steps of `dt`.
     pub fn acts(&self, time: f64, dt: f64) -> bool {
-        let early = 1e-6 * dt;
+        let early = EARLY * dt;
         self.from <= time + early && time + early < self.to
     }
 

@@ -6,6 +6,7 @@ mod energy;
 mod event;
 mod impulses;
 mod loads;
+mod observer;
 mod options;
 mod plant;
 mod rapier;

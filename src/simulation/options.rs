@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::loads::EARLY;
 use crate::error::{Error, ErrorKind, Result};
 use crate::motion::Motion;
 use crate::robot::Robot;
@@ -30,7 +31,7 @@ pub enum Plant {
 /// What the motors do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Control {
-    /// Springs and dampers to the motion, fed the torque that the robot's model says the motion needs.
+    /// Springs and dampers to the motion, fed the torque that the robot's model says the motion needs, and what it is seen to miss.
     FeedForward,
     /// Springs and dampers alone.
     Feedback,
@@ -106,7 +107,10 @@ pub struct SimulationOptions {
     pub damping: Option<f64>,
     /// Coulomb friction of every joint \[N m, N\] in place of the URDF's.
     pub friction: Option<f64>,
-    /// By what share all of the feed-forward is too large; 0 by default.
+    /// Whether what the feed-forward misses is observed and fed forward too, three times as fast as the position loops: else springs yield to
+    /// it. Yes by default; without feed-forward there is none.
+    pub observer: bool,
+    /// By what share all torques of the controller's model are too large; 0 by default.
     pub torque_error: f64,
     /// What is carried.
     pub payload: Option<Payload>,
@@ -127,6 +131,7 @@ impl Default for SimulationOptions {
             solver_iterations: 20,
             damping: None,
             friction: None,
+            observer: true,
             torque_error: 0.0,
             payload: None,
             pushes: Vec::new(),
@@ -220,6 +225,25 @@ impl SimulationOptions {
             None => 1,
         };
         Ok(Schedule { steps, hold })
+    }
+
+    /// # Errors
+    /// When a push acts in no step.
+    pub(super) fn require_in_time(&self, Schedule { steps, .. }: Schedule) -> Result<()> {
+        for Push { from, to, .. } in &self.pushes {
+            let first = (from / self.time_step - EARLY).ceil().max(0.0);
+            if first >= steps as f64 || first + EARLY >= to / self.time_step {
+                return refuse(
+                    format!("a push from {from} s to {to} s, in which no step begins"),
+                    &format!(
+                        "one within {} s, of a time step of {} s or more",
+                        steps as f64 * self.time_step,
+                        self.time_step
+                    ),
+                );
+            }
+        }
+        Ok(())
     }
 
     /// How many steps `time` is.

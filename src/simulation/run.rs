@@ -71,12 +71,13 @@ impl<'r> Simulation<'r> {
     /// Executes `motion`.
     ///
     /// # Errors
-    /// When the motion is not of the robot's joints; when the duration is no whole number of steps, or the gains cannot be stable with
-    /// them, before anything is simulated; and when the simulation leaves the finite numbers, or bodies their joints.
+    /// When the motion is not of the robot's joints; when the duration is no whole number of steps, a push comes after it, or the gains cannot be
+    /// stable with them, before anything is simulated; and when the simulation leaves the finite numbers, or bodies their joints.
     pub fn run<M: Motion>(&self, motion: &M) -> Result<Rollout> {
         let (robot, options) = (self.robot, &self.options);
         robot.require_joints(motion.joints())?;
         let schedule = options.schedule(motion)?;
+        options.require_in_time(schedule)?;
         let period = schedule.hold as f64 * options.time_step;
         let postures = postures(motion);
         let mean = postures.iter().sum::<DVector<f64>>() / postures.len() as f64;
@@ -143,10 +144,13 @@ impl<'r> Simulation<'r> {
         };
         let mut state = start;
         let mut wanted = State::zeros(joints);
+        let mut gave = DVector::zeros(joints);
         for n in 0..steps {
             let time = n as f64 * dt;
             if n % hold == 0 {
-                let command = controller.next(n / hold);
+                gave /= hold as f64;
+                let command = controller.next(n / hold, &state.velocity, &gave);
+                gave.fill(0.0);
                 plant.receive(command);
                 rollout
                     .reference
@@ -162,6 +166,7 @@ impl<'r> Simulation<'r> {
             let energies = plant.step(time, &mut state).map_err(|e| e.at(at(time)))?;
             rollout.energy.push(energies, &work);
             rollout.torque.row_mut(n).tr_copy_from(&state.effort);
+            gave += &state.effort;
             if !state.is_finite() {
                 return Err(Error::new(
                     ErrorKind::Infeasible,

@@ -39,6 +39,11 @@ impl SemiImplicit {
         }
     }
 
+    /// The mass matrix of the posture that was asked about last.
+    pub fn last_mass_matrix(&self) -> &DMatrix<f64> {
+        self.dynamics.last_mass_matrix()
+    }
+
     /// Along the joint of each body, damping, friction and pushes left out; `pushed` are forces of the joints.
     pub fn efforts(
         &mut self,

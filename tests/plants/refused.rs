@@ -150,6 +150,20 @@ fn what_cannot_be_is_refused_with_what_could() {
         ),
         (
             SimulationOptions {
+                pushes: push(joint("elbow", 1.0), 1.0, 2.0),
+                ..plain()
+            },
+            "a push from 1 s to 2 s, in which no step begins, expected one within 1 s",
+        ),
+        (
+            SimulationOptions {
+                pushes: push(joint("elbow", 1.0), 0.0101, 0.0109),
+                ..plain()
+            },
+            "in which no step begins",
+        ),
+        (
+            SimulationOptions {
                 payload: Some(Payload {
                     link: "hand".to_owned(),
                     mass: 0.0,

@@ -3,8 +3,8 @@
 use undulate::nalgebra::{DMatrix, DVector};
 use undulate::num_complex::Complex;
 use undulate::{
-    Joints, Plant, Robot, Simulation, SimulationOptions, Spline, StartPosture, Wave, Waypoint,
-    Waypoints, stream,
+    CheckOptions, CollisionModel, CollisionOptions, Joints, Means, Plant, Robot, Simulation,
+    SimulationOptions, Spline, StartPosture, Wave, Waypoint, Waypoints, mend, stream,
 };
 
 use crate::waves::uniform;
@@ -16,6 +16,26 @@ const SEEDS: u64 = 20;
 /// range is wide enough; each joint as fast at most as half to all of 1 rad/s: more saturates
 /// the UR5's shoulder at 3 Hz.
 fn wave(robot: &Robot, frequency: f64, seed: u64) -> Wave {
+    let w = std::f64::consts::TAU * frequency;
+    swinging(robot, frequency, 1.0 / w / 1.2, seed)
+}
+
+/// Waves that swing by up to 0.4 rad in every joint, and then by no more than limits of position, velocity and effort allow.
+fn mended(robot: &Robot, frequency: f64) -> Vec<Wave> {
+    let collision = CollisionModel::new(robot, &CollisionOptions::default()).unwrap();
+    let mut prover = collision.prover();
+    let means = [Means::Shift, Means::ShrinkOffending, Means::Shrink];
+    let mended = (0..).map(|seed| {
+        let wave = swinging(robot, frequency, 0.4, seed);
+        mend(robot, &mut prover, &wave, &CheckOptions::default(), &means).unwrap()
+    });
+    // Postures that touch cannot be mended.
+    let waves = mended.filter(|m| m.verdict.passes()).map(|m| m.wave);
+    waves.take(SEEDS as usize).collect()
+}
+
+/// With first harmonics between half of `amplitude` \[rad\] and all of it.
+fn swinging(robot: &Robot, frequency: f64, amplitude: f64, seed: u64) -> Wave {
     let mut rng = stream(seed, 0);
     let joints = robot.joints();
     let offsets = DVector::from_fn(joints.len(), |j, _| {
@@ -24,10 +44,8 @@ fn wave(robot: &Robot, frequency: f64, seed: u64) -> Wave {
         let room = (half / 2.0 - 1.0).clamp(0.0, 1.5);
         middle + room * (2.0 * uniform(&mut rng) - 1.0)
     });
-    let speed = 1.0;
-    let w = std::f64::consts::TAU * frequency;
     let weights = DMatrix::from_fn(joints.len(), 2, |_, k| {
-        let amplitude = speed / w * (0.5 + 0.5 * uniform(&mut rng)) / 1.2;
+        let amplitude = amplitude * (0.5 + 0.5 * uniform(&mut rng));
         let modulus = if k == 0 {
             amplitude / 2.0
         } else {
@@ -77,6 +95,34 @@ fn both_plants_track_waves_of_both_arms() {
                     off.iter().all(|e| *e < wrong && *e > 2.0 * error),
                     "{off:?}"
                 );
+            }
+        }
+    }
+}
+
+#[test]
+fn both_plants_track_large_waves_that_were_mended() {
+    for robot in arms() {
+        for (frequency, exact, wrong) in [(1.5, 5e-5, 1e-3), (3.0, 3e-4, 3e-3)] {
+            let waves = mended(&robot, frequency);
+            for plant in PLANTS {
+                for (torque_error, bar) in [(0.0, exact), (-0.05, wrong), (0.05, wrong)] {
+                    let options = SimulationOptions {
+                        torque_error,
+                        ..with(plant)
+                    };
+                    let simulation = Simulation::new(&robot, options).unwrap();
+                    let errors: Vec<f64> = waves
+                        .iter()
+                        .map(|wave| simulation.run(wave).unwrap().rms_error().max())
+                        .collect();
+                    let worst = errors.iter().copied().fold(0.0, f64::max);
+                    println!(
+                        "{} {plant:?} {frequency} Hz, torque off by {torque_error}: {worst:.1e} rad",
+                        robot.name()
+                    );
+                    assert!(worst < bar, "{}", told(&errors));
+                }
             }
         }
     }
