@@ -25,6 +25,8 @@ pub enum ErrorKind {
     Name,
     /// Everything is well-formed, and yet what was asked for cannot be had from it.
     Infeasible,
+    /// What was asked about was looked at, and breaks a limit or lacks a proof: a motion that does not pass, a way that there is not.
+    Refused,
     /// A file of a later version, or a feature that this version does not support.
     Unsupported,
 }

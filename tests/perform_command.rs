@@ -96,7 +96,7 @@ fn what_cannot_be_performed_is_not_written() {
         assert_eq!(files(at), before);
     };
     refused(
-        1,
+        3,
         &["--at", "elbow=300deg", "-o", "m.json"],
         "position-limit",
     );
@@ -108,14 +108,14 @@ fn what_cannot_be_performed_is_not_written() {
     );
     refused(2, &["-o", "m.yaml"], "no velocities");
     refused(
-        1,
+        3,
         &["--max-velocity", "0.05", "-o", "m.json"],
         "velocity-limit",
     );
-    refused(1, &["--margin", "5", "-o", "m.json"], "clearance");
+    refused(3, &["--margin", "5", "-o", "m.json"], "clearance");
     // Eight waypoints in ten seconds are no wave.
     refused(
-        1,
+        3,
         &["--rate", "0.1", "-o", "m.json"],
         "leaves the wave by up to",
     );

@@ -122,6 +122,7 @@ pub fn main() -> ExitCode {
             output::failure(&error);
             match error.kind() {
                 ErrorKind::Setting => ExitCode::from(2),
+                ErrorKind::Refused => ExitCode::from(3),
                 _ => ExitCode::FAILURE,
             }
         }

@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     if leaves(rate) > ON_WAVE {
         return Err(Error::new(
-            ErrorKind::Infeasible,
+            ErrorKind::Refused,
             format!(
                 "through {} waypoints it leaves the wave by up to {:.1e} rad",
                 waypoints.len(),
@@ -140,7 +140,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     if let Some(reason) = verdict.reasons().first() {
         return Err(Error::new(
-            ErrorKind::Infeasible,
+            ErrorKind::Refused,
             format!(
                 "through {} waypoints it does not pass: {}",
                 waypoints.len(),

@@ -170,7 +170,7 @@ impl<'a, 'm> Passages<'a, 'm> {
         };
         let faults = verdict.faults().join("; ");
         Err(Error::new(
-            ErrorKind::Infeasible,
+            ErrorKind::Refused,
             format!("{what} does not pass: {faults}"),
         )
         .because(*first)
@@ -258,7 +258,7 @@ impl<'a, 'm> Passages<'a, 'm> {
             "none of those that keep the limits is proven clear"
         };
         Err(
-            Error::new(ErrorKind::Infeasible, format!("no way {what}: {why}"))
+            Error::new(ErrorKind::Refused, format!("no way {what}: {why}"))
                 .expected("a way of at most 20 s, straight or by one posture")
                 .help("start from another posture of rest, or wave elsewhere, slower or smaller")
                 .at(format!("robot `{}`", self.robot.name())),

@@ -214,10 +214,8 @@ impl<'a, 'm> Planner<'a, 'm> {
             },
         ])?;
         if !keeps_limits(self.robot, &whole, &self.options)? {
-            return Err(
-                Error::new(ErrorKind::Infeasible, "the change breaks a limit")
-                    .because(Reason::AccelerationLimit),
-            );
+            return Err(Error::new(ErrorKind::Refused, "the change breaks a limit")
+                .because(Reason::AccelerationLimit));
         }
         let end = at + way.duration();
         let mut parts = Vec::with_capacity(PARTS);
@@ -244,7 +242,7 @@ impl<'a, 'm> Planner<'a, 'm> {
         }
         if ways.is_empty() {
             return Err(Error::new(
-                ErrorKind::Infeasible,
+                ErrorKind::Refused,
                 "no stop out of the wave keeps the limits and is proven clear",
             )
             .help("wave smaller or slower"));
