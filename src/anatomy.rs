@@ -44,6 +44,14 @@ impl ShoulderOrder {
         }
     }
 
+    /// Which of the angles turns in the middle.
+    pub(crate) fn middle(self) -> usize {
+        match self {
+            Self::Xzy => 1,
+            Self::Zxy => 0,
+        }
+    }
+
     /// Flexion, abduction and rotation \[rad\] of a humerus in the thorax; the middle one in turn is within a quarter turn.
     pub(crate) fn angles(self, humerus: &Matrix3<f64>) -> [f64; 3] {
         let r = |i, j| humerus[(i, j)];

@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use undulate::{
-    ArmMotion, BoneMap, Bvh, CsvOptions, Recording, ShoulderOrder, Side,
-};
+use undulate::{ArmMotion, BoneMap, Bvh, CsvOptions, Recording, ShoulderOrder, Side};
 
 use crate::common::shared;
 
@@ -34,7 +32,9 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
 fn unpacked(path: &Path) -> String {
     let mut text = String::new();
     let file = std::fs::File::open(path).unwrap();
-    flate2::read::GzDecoder::new(file).read_to_string(&mut text).unwrap();
+    flate2::read::GzDecoder::new(file)
+        .read_to_string(&mut text)
+        .unwrap();
     text
 }
 
@@ -72,26 +72,50 @@ fn angles_are_those_that_others_extracted() {
     let sources = sources(&folder.join("motions"));
     assert!(sources.len() > 50);
     let (mut worst, mut own_within) = (0.0f64, 0);
-    println!("largest difference [rad], xzy and zxy: with the roll of the whole motion; with that of the window alone");
+    println!(
+        "largest difference [rad], xzy and zxy: with the roll of the whole motion; with that of the window alone"
+    );
     for source in &sources {
-        let name = source.file_name().unwrap().to_str().unwrap().replace(".bvh.gz", ".csv");
+        let name = source
+            .file_name()
+            .unwrap()
+            .to_str()
+            .unwrap()
+            .replace(".bvh.gz", ".csv");
         let folder = source.parent().unwrap().parent().unwrap();
-        let side = if name.contains("_L") { Side::Left } else { Side::Right };
+        let side = if name.contains("_L") {
+            Side::Left
+        } else {
+            Side::Right
+        };
         let bvh = Bvh::from_text(&unpacked(source)).unwrap();
         let map = BoneMap::recognise(&bvh).unwrap();
         let own = ArmMotion::from_bvh(&bvh, &map, side).unwrap();
         let given = own.clone().with_hinge_roll(rolls[&name]).unwrap();
-        let tables = [(ShoulderOrder::Xzy, folder.join(&name)), (ShoulderOrder::Zxy, folder.join("alt_zxy").join(&name))];
+        let tables = [
+            (ShoulderOrder::Xzy, folder.join(&name)),
+            (ShoulderOrder::Zxy, folder.join("alt_zxy").join(&name)),
+        ];
         let [given, own] = [given, own].map(|motion| {
             tables.each_ref().map(|(order, path)| {
                 let table = Recording::open(path, &CsvOptions::default()).unwrap();
                 difference(&motion, *order, &table)
             })
         });
-        println!("{name:50} {:.1e} {:.1e}   {:.1e} {:.1e}   {}", given[0], given[1], own[0], own[1], map.skeleton().unwrap());
+        println!(
+            "{name:50} {:.1e} {:.1e}   {:.1e} {:.1e}   {}",
+            given[0],
+            given[1],
+            own[0],
+            own[1],
+            map.skeleton().unwrap()
+        );
         worst = given.into_iter().fold(worst, f64::max);
         own_within += usize::from(own[0].max(own[1]) <= BAR);
     }
-    println!("{} sources: at most {worst:.1e} rad; {own_within} within {BAR} rad by their window's own roll", sources.len());
+    println!(
+        "{} sources: at most {worst:.1e} rad; {own_within} within {BAR} rad by their window's own roll",
+        sources.len()
+    );
     assert!(worst <= BAR, "{worst}");
 }
