@@ -7,7 +7,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::anatomy::{about_x, about_y, about_z};
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 
 /// A skeleton of bones, each turned in every frame, read from BVH text.
 ///
@@ -95,6 +95,20 @@ impl Bvh {
     /// Frames a second: a whole number where the frame time is one rounded to the digits that the file has.
     pub fn rate(&self) -> f64 {
         self.rate
+    }
+
+    /// With another rate \[Hz\], for files whose frame time is wrong.
+    ///
+    /// # Errors
+    /// When no camera has it.
+    pub fn with_rate(self, rate: f64) -> Result<Self> {
+        if !parse::FRAME_TIMES.contains(&(1.0 / rate)) {
+            return Err(
+                Error::new(ErrorKind::Setting, format!("a rate of {rate} Hz"))
+                    .expected("frames a second, such as 120"),
+            );
+        }
+        Ok(Self { rate, ..self })
     }
 
     /// A bone and those above it, itself first.

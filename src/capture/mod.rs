@@ -1,6 +1,7 @@
 //! Motion capture: the rotations of a skeleton's bones, or positions of shoulder, elbow and hand, to the angles of an arm.
 
 mod arm;
+mod branch;
 mod bvh;
 mod known;
 mod note;

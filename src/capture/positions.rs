@@ -11,11 +11,14 @@ use crate::table::{Row, Table};
 /// The sine of an elbow's flexion, 6 deg, below which the plane of the arm is noise of the positions.
 const STRAIGHT: f64 = 0.1;
 
-/// Positions beyond this, in any unit, are of no person.
+/// Positions beyond this, in any unit, and times \[s\] are of no person.
 const FARTHEST: f64 = 1e9;
 
 /// Points nearer to each other than this, in any unit, have no direction.
 const NEAREST: f64 = 1e-9;
+
+/// Samples nearer to each other than this \[s\] have no rate.
+const SOONEST: f64 = 1e-9;
 
 /// What a table of positions does not say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,14 +72,19 @@ impl ArmMotion {
         let mut directions: Vec<Directions> = Vec::new();
         table.rows(|row| {
             let t = row.number(time, "a time in seconds")?;
+            if t.abs() > FARTHEST {
+                return Err(Error::new(ErrorKind::Value, format!("time {t} s"))
+                    .because(Reason::OutOfRange)
+                    .expected(format!("at most {FARTHEST}")));
+            }
             if let Some(before) = times.last()
-                && t <= *before
+                && t - before < SOONEST
             {
                 return Err(Error::new(
                     ErrorKind::Value,
                     format!("time {t} s does not come after {before} s"),
                 )
-                .expected("strictly increasing times"));
+                .expected("strictly increasing times, a nanosecond apart at least"));
             }
             if let Some(found) = points.directions(row, options.side)? {
                 times.push(t);

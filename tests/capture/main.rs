@@ -2,4 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod hostile;
+mod known;
 mod shared;
+#[path = "../common/skeleton.rs"]
+mod skeleton;

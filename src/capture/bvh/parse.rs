@@ -14,7 +14,7 @@ const MOST_BONES: usize = 4096;
 const LARGEST: f64 = 1e9;
 
 /// Frame times \[s\] of no camera.
-const FRAME_TIMES: std::ops::RangeInclusive<f64> = 1e-5..=10.0;
+pub(super) const FRAME_TIMES: std::ops::RangeInclusive<f64> = 1e-5..=10.0;
 
 /// # Errors
 /// Those of [`Bvh::from_text`].
