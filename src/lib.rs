@@ -95,6 +95,8 @@
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
+mod anatomy;
+mod capture;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "robot")]
@@ -134,6 +136,8 @@ mod vectors;
 
 pub use {nalgebra, num_complex, rand};
 
+pub use anatomy::{ARM_ANGLES, ShoulderOrder};
+pub use capture::{ArmMotion, BoneMap, Bvh, CaptureNote, Captured, PositionOptions, Side};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
@@ -176,9 +180,7 @@ pub use primitive::{
 };
 pub use proportion::clopper_pearson;
 #[cfg(feature = "robot")]
-pub use retarget::{
-    DirectionFit, JointMap, Person, Residual, RobotArm, Segment, ShoulderOrder, Source,
-};
+pub use retarget::{DirectionFit, JointMap, Person, Residual, RobotArm, Segment, Source};
 #[cfg(feature = "robot")]
 pub use robot::{
     Body, BodyJoint, Dynamics, EndEffector, Frame, GRAVITY, Group, Inconsistent, Inertial,

@@ -98,7 +98,6 @@ pub(crate) struct Row<'a> {
 
 impl Row<'_> {
     /// Whether the field is empty.
-    #[cfg(feature = "robot")]
     pub(crate) fn is_empty(&self, column: usize) -> bool {
         self.record.get(column).unwrap_or("").is_empty()
     }

@@ -10,6 +10,7 @@ use proc_macro2::{TokenStream, TokenTree};
 const RANKS: [&[&str]; 9] = [
     &["elementary", "error", "vectors"],
     &[
+        "anatomy",
         "document",
         "normal",
         "parallel",
@@ -19,7 +20,7 @@ const RANKS: [&[&str]; 9] = [
     ],
     &["fourier", "geometry", "posterior"],
     &["demonstration", "motion", "robot"],
-    &["collision", "primitive", "retarget"],
+    &["capture", "collision", "primitive", "retarget"],
     &["shipped", "simulation"],
     &["feasibility"],
     &["figure", "testing"],
@@ -27,7 +28,8 @@ const RANKS: [&[&str]; 9] = [
 ];
 
 /// Beyond rank: the learning half knows no robot, the robot half no primitive.
-const STRANGERS: [(&str, &str); 7] = [
+const STRANGERS: [(&str, &str); 8] = [
+    ("capture", "robot"),
     ("primitive", "robot"),
     ("demonstration", "robot"),
     ("retarget", "primitive"),

@@ -3,6 +3,7 @@
 //! Nothing here may panic, hang or take more memory than the input accounts for; a refusal is an answer. The same functions are run
 //! on all seeds and regressions by `tests/fuzzed.rs`, on any toolchain.
 
+mod capture;
 mod distance;
 mod gestures;
 mod robots;
@@ -11,8 +12,10 @@ mod robots;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// What is fuzzed.
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 16] = [
     ("recording", gestures::recording),
+    ("bvh", capture::bvh),
+    ("positions", capture::positions),
     ("model", gestures::model),
     ("wave", gestures::wave),
     ("condition", gestures::condition),

@@ -7,10 +7,11 @@ use serde_json::json;
 
 use super::robot::{Reading, is_file, tell_notes};
 use super::{Outcome, output, read_text, read_wave};
+use crate::anatomy::ShoulderOrder;
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::limits;
 use crate::fourier::Derivative;
-use crate::retarget::{Person, Residual, RobotArm, ShoulderOrder};
+use crate::retarget::{Person, Residual, RobotArm};
 use crate::robot::JointKind;
 use crate::shipped;
 
@@ -62,9 +63,18 @@ pub(super) struct Arguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Order {
+pub(super) enum Order {
     Xzy,
     Zxy,
+}
+
+impl From<Order> for ShoulderOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::Xzy => Self::Xzy,
+            Order::Zxy => Self::Zxy,
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
@@ -72,13 +82,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     tell_notes(&robot);
     let arm = arm(arguments)?;
     let wave = read_wave(&arguments.wave)?;
-    let order = match arguments.order {
-        Order::Xzy => ShoulderOrder::Xzy,
-        Order::Zxy => ShoulderOrder::Zxy,
-    };
     let harmonics = arguments.harmonics.unwrap_or(wave.harmonics());
-    let person =
-        Person::new(wave, order).map_err(|e| e.at(arguments.wave.display().to_string()))?;
+    let person = Person::new(wave, arguments.order.into())
+        .map_err(|e| e.at(arguments.wave.display().to_string()))?;
     let fit = arm.fit(&person, &robot, harmonics)?;
     output::write(&arguments.output, fit.wave.to_json().as_bytes())?;
 

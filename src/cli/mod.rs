@@ -2,6 +2,7 @@
 
 mod assess;
 mod assumptions;
+mod capture;
 mod check;
 mod compare_estimators;
 mod compare_periods;
@@ -64,6 +65,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Reproduce(reproduce::Arguments),
+    Capture(capture::Arguments),
     Learn(learn::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
@@ -96,6 +98,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.verb {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
+        Verb::Capture(arguments) => capture::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),

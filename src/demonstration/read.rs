@@ -108,6 +108,11 @@ impl Recording {
 }
 
 fn parse(name: &str, text: &[u8], options: &CsvOptions) -> Result<Recording> {
+    if text.trim_ascii_start().starts_with(b"HIERARCHY") {
+        return Err(Error::new(ErrorKind::Unsupported, "motion capture (BVH)")
+            .expected("a CSV table of joint angles")
+            .help("`undulate capture` makes one of it"));
+    }
     let table = Table::new(
         text,
         &format!("a header `{TIME},joint,..` and one row a sample"),
@@ -218,6 +223,10 @@ mod tests {
             ),
             ("time_s,a\n0,1,2\n", "r.csv, line 2: 3 fields, expected 2"),
             ("time_s,a,a\n0,1,2\n", "two columns `a`"),
+            (
+                "HIERARCHY\nROOT hip\n",
+                "r.csv: motion capture (BVH), expected a CSV table of joint angles; `undulate capture`",
+            ),
             ("time_s;a\n0;1\n", "columns are separated by ';'"),
         ] {
             let error = read(text).unwrap_err().to_string();

@@ -20,7 +20,7 @@ use crate::units::parse_angle;
 
 pub use arm::RobotArm;
 pub use fit::{DirectionFit, Residual};
-pub use person::{Person, Segment, ShoulderOrder};
+pub use person::{Person, Segment};
 
 /// What moves one robot joint.
 #[derive(Debug, Clone, PartialEq)]

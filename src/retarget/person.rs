@@ -1,7 +1,8 @@
 //! [`Person`]: where a person's upper arm, forearm, hand and palm point while they wave.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
+use crate::anatomy::{ARM_ANGLES as ANGLES, ShoulderOrder, about_x, about_y, about_z};
 use crate::error::{Reason, Result};
 use crate::fourier::{Joints, Wave};
 
@@ -33,38 +34,11 @@ impl Segment {
     }
 }
 
-/// In which order the angles of the shoulder turn the humerus, each about the axes that those before it have turned.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ShoulderOrder {
-    /// Flexion, abduction, rotation.
-    #[default]
-    Xzy,
-    /// Abduction, flexion, rotation.
-    Zxy,
-}
-
-/// The four that place upper arm and forearm, then the three that place the hand.
-const ANGLES: [&str; 7] = [
-    "shoulder_flexion",
-    "shoulder_abduction",
-    "shoulder_rotation",
-    "elbow_flexion",
-    "forearm_pronation",
-    "wrist_flexion",
-    "wrist_deviation",
-];
-
-/// How many of them a wave must have; where it lacks others, they are 0.
+/// How many of the angles a wave must have; where it lacks others, they are 0.
 const NEEDED: usize = 4;
 
-/// A right arm that waves, by joint angles as motion capture tells them: zero is the arm hanging, palm to the thigh, elbow
-/// straight. In the frame of the thorax, X left, Y up, Z forward, with R about the axes of the segment before,
-///
-/// ```text
-/// thorax to humerus   Rx(-flexion) Rz(-abduction) Ry(rotation), or Rz(-abduction) Rx(-flexion) Ry(rotation)
-/// humerus to forearm  Rx(-elbow_flexion)
-/// forearm to hand     Ry(pronation) Rz(wrist_flexion) Rx(-wrist_deviation)
-/// ```
+/// A right arm that waves, by [joint angles](crate::ARM_ANGLES) as motion capture tells them, without a carrying angle: zero is
+/// the arm hanging, palm to the thigh, elbow straight, in the frame of the thorax, X left, Y up, Z forward.
 #[derive(Debug, Clone)]
 pub struct Person {
     wave: Wave,
@@ -131,21 +105,6 @@ impl Person {
             hand * Vector3::x(),
         ]
     }
-}
-
-fn about_x(angle: f64) -> Matrix3<f64> {
-    let (s, c) = libm::sincos(angle);
-    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
-}
-
-fn about_y(angle: f64) -> Matrix3<f64> {
-    let (s, c) = libm::sincos(angle);
-    Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
-}
-
-fn about_z(angle: f64) -> Matrix3<f64> {
-    let (s, c) = libm::sincos(angle);
-    Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }
 
 #[cfg(test)]

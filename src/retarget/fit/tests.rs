@@ -1,8 +1,8 @@
 //! Fits against waves that are known.
 
 use super::*;
+use crate::anatomy::ShoulderOrder;
 use crate::fourier::Joints;
-use crate::retarget::ShoulderOrder;
 
 /// Robots and what of them points, of other axes each.
 const ROBOTS: [[&str; 2]; 3] = [
