@@ -142,7 +142,7 @@ pub use collision::{
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
-    Duration, Leakage, LeftOut, Recording, Variation, synthetic,
+    Duration, Leakage, LeftOut, Recording, RhythmicPart, Variation, synthetic,
 };
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]

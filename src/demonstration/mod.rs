@@ -2,13 +2,18 @@
 
 mod cycle;
 mod demodulation;
+mod half_cycles;
+mod hand;
 mod jitter;
 mod leakage;
 mod level;
 mod mean_cycle;
+mod pieces;
 mod read;
 mod recording;
 mod rhythm;
+mod rhythmic_part;
+mod runs;
 mod steady;
 mod synthetic;
 mod variation;
@@ -20,6 +25,7 @@ pub use cycle::{CycleFit, CycleFits};
 pub use leakage::Leakage;
 pub use read::CsvOptions;
 pub use recording::Recording;
+pub use rhythmic_part::RhythmicPart;
 pub use synthetic::{JOINTS as DEMONSTRATOR_JOINTS, PERIOD as DEMONSTRATOR_PERIOD, synthetic};
 pub use variation::Variation;
 pub use window::{Duration, LeftOut};
