@@ -1,6 +1,8 @@
 //! Where the hand is: the path along which a person waves, whatever the angles of the shoulder do near their singularity.
 
-use nalgebra::{DMatrix, Rotation3, Vector3};
+use std::borrow::Cow;
+
+use nalgebra::DMatrix;
 
 use super::Recording;
 use crate::fourier::Joints;
@@ -22,45 +24,74 @@ const NEEDED: usize = 4;
 const LENGTHS: [f64; 3] = [0.41, 0.35, 0.24];
 
 /// The columns of a person's arm, where a recording has them.
-pub(super) fn columns(joints: &Joints) -> Option<[Option<usize>; 7]> {
+fn columns(joints: &Joints) -> Option<[Option<usize>; 7]> {
     let columns = JOINTS.map(|name| joints.iter().position(|joint| joint == name));
-    columns[..NEEDED]
-        .iter()
-        .all(Option::is_some)
-        .then_some(columns)
+    let complete = columns[..NEEDED].iter().all(Option::is_some);
+    complete.then_some(columns)
 }
 
-/// The path of the fingertips in arm lengths \[N x 3\] about the shoulder, for a person's arm. Of the two orders of shoulder angles
-/// in use it is the one by which the fingertips travel less: jumps near the singularity of the other make a path longer.
-pub(super) fn path(recording: &Recording) -> Option<Recording> {
+/// A person's arm in a recording.
+pub(super) struct Arm {
+    /// Path of the fingertips about the shoulder \[arm lengths\], N x 3.
+    pub path: DMatrix<f64>,
+    /// The joint whose angle turns the shoulder second: where its cosine is 0 the other two turn about one axis.
+    pub second: usize,
+}
+
+/// The arm, if the joints are a person's. Of the two orders of shoulder angles in use it is the one by which the fingertips
+/// travel less: jumps near the singularity of the other make a path longer.
+pub(super) fn arm(recording: &Recording) -> Option<Arm> {
     let columns = columns(&recording.joints)?;
     let travelled = |path: &DMatrix<f64>| -> f64 {
-        let steps = path.row_iter().zip(path.row_iter().skip(1));
-        steps.map(|(a, b)| (b - a).norm()).sum()
+        (1..path.nrows())
+            .map(|n| (path.row(n) - path.row(n - 1)).norm())
+            .sum()
     };
-    let [first, second] = [false, true].map(|abducts_first| {
+    let along = |abducts_first: bool| {
         let mut path = DMatrix::zeros(recording.times.len(), 3);
         for n in 0..recording.times.len() {
             let angles = columns.map(|d| d.map_or(0.0, |d| recording.positions[(n, d)]));
-            path.row_mut(n)
-                .copy_from(&fingertips(angles, abducts_first).transpose());
+            for (d, p) in fingertips(angles, abducts_first).into_iter().enumerate() {
+                path[(n, d)] = p;
+            }
         }
         path
-    });
-    let positions = if travelled(&second) < travelled(&first) {
-        second
-    } else {
-        first
     };
-    Some(Recording {
-        joints: Joints::new(["x", "y", "z"]).ok()?,
-        positions,
-        ..recording.clone()
+    let (flexed, abducted) = (along(false), along(true));
+    let [flexion, abduction] = [columns[0]?, columns[1]?];
+    Some(if travelled(&abducted) < travelled(&flexed) {
+        Arm {
+            path: abducted,
+            second: flexion,
+        }
+    } else {
+        Arm {
+            path: flexed,
+            second: abduction,
+        }
     })
 }
 
+/// What shows the rhythm of a recording: the path of the hand of a person's arm, else the joints.
+pub(super) fn seen(recording: &Recording) -> Cow<'_, Recording> {
+    seen_of(recording, arm(recording))
+}
+
+/// The same where the arm is known already.
+pub(super) fn seen_of(recording: &Recording, arm: Option<Arm>) -> Cow<'_, Recording> {
+    match (arm, Joints::new(["x", "y", "z"])) {
+        (Some(arm), Ok(joints)) => Cow::Owned(Recording {
+            name: recording.name.clone(),
+            joints,
+            times: recording.times.clone(),
+            positions: arm.path,
+        }),
+        _ => Cow::Borrowed(recording),
+    }
+}
+
 /// x to the left, y up, z forward; a right arm, hanging along -y at zero.
-fn fingertips(angles: [f64; 7], abducts_first: bool) -> Vector3<f64> {
+fn fingertips(angles: [f64; 7], abducts_first: bool) -> [f64; 3] {
     let [
         flexion,
         abduction,
@@ -70,21 +101,67 @@ fn fingertips(angles: [f64; 7], abducts_first: bool) -> Vector3<f64> {
         wrist,
         deviation,
     ] = angles;
-    let about = |axis: Vector3<f64>, angle: f64, v: Vector3<f64>| {
-        Rotation3::from_scaled_axis(axis * angle) * v
+    // Right-handed turns of a vector.
+    let about_x = |[x, y, z]: [f64; 3], angle: f64| {
+        let (s, c) = angle.sin_cos();
+        [x, c * y - s * z, s * y + c * z]
     };
-    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    let mut p = -LENGTHS[2] * y;
-    p = about(x, -deviation, p);
-    p = about(z, wrist, p);
-    p = about(y, pronation, p);
-    p -= LENGTHS[1] * y;
-    p = about(x, -elbow, p);
-    p -= LENGTHS[0] * y;
-    p = about(y, rotation, p);
+    let about_y = |[x, y, z]: [f64; 3], angle: f64| {
+        let (s, c) = angle.sin_cos();
+        [c * x + s * z, y, c * z - s * x]
+    };
+    let about_z = |[x, y, z]: [f64; 3], angle: f64| {
+        let (s, c) = angle.sin_cos();
+        [c * x - s * y, s * x + c * y, z]
+    };
+    let down = |[x, y, z]: [f64; 3], length: f64| [x, y - length, z];
+    let hand = about_y(
+        about_z(about_x(down([0.0; 3], LENGTHS[2]), -deviation), wrist),
+        pronation,
+    );
+    let forearm = about_x(down(hand, LENGTHS[1]), -elbow);
+    let arm = about_y(down(forearm, LENGTHS[0]), rotation);
     if abducts_first {
-        about(z, -abduction, about(x, -flexion, p))
+        about_z(about_x(arm, -flexion), -abduction)
     } else {
-        about(x, -flexion, about(z, -abduction, p))
+        about_x(about_z(arm, -abduction), -flexion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// Forward, sideways, the forearm up; and raised by either order.
+    #[test]
+    fn fingertips_are_where_an_arm_holds_them() {
+        let near = |angles: [f64; 7], order: bool, expected: [f64; 3]| {
+            let found = fingertips(angles, order);
+            let distance: f64 = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).sum();
+            assert!(distance < 1e-12, "{angles:?}: {found:?}");
+        };
+        for order in [false, true] {
+            near(
+                [FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                order,
+                [0.0, 0.0, 1.0],
+            );
+            near(
+                [0.0, FRAC_PI_2, 0.0, 0.0, 0.3, 0.0, 0.0],
+                order,
+                [-1.0, 0.0, 0.0],
+            );
+            near(
+                [0.0, 0.0, 0.0, PI, 0.0, 0.0, 0.0],
+                order,
+                [0.0, LENGTHS[1] + LENGTHS[2] - LENGTHS[0], 0.0],
+            );
+        }
+        near(
+            [FRAC_PI_2, 0.0, 0.0, FRAC_PI_2, 0.0, 0.0, 0.0],
+            true,
+            [0.0, 1.0 - LENGTHS[0], LENGTHS[0]],
+        );
     }
 }

@@ -2,8 +2,11 @@
 
 mod cycle;
 mod demodulation;
+mod finding;
+mod gesture;
 mod half_cycles;
 mod hand;
+mod inspection;
 mod jitter;
 mod leakage;
 mod level;
@@ -14,6 +17,8 @@ mod recording;
 mod rhythm;
 mod rhythmic_part;
 mod runs;
+mod set;
+mod slow_drift;
 mod steady;
 mod synthetic;
 mod variation;
@@ -22,6 +27,8 @@ mod window;
 use realfft::RealFftPlanner;
 
 pub use cycle::{CycleFit, CycleFits};
+pub use finding::{Finding, Flag};
+pub use inspection::{Inspection, Rhythm};
 pub use leakage::Leakage;
 pub use read::CsvOptions;
 pub use recording::Recording;

@@ -146,7 +146,10 @@ pub(super) fn unwrap(values: &mut [f64]) {
         let step = *value - before;
         before = *value;
         turns -= (step / TAU).round();
-        *value += turns * TAU;
+        // What does not jump keeps its bits.
+        if turns != 0.0 {
+            *value += turns * TAU;
+        }
     }
 }
 

@@ -68,7 +68,7 @@ impl Recording {
     /// Its rhythmic parts, by time; none where there is no rhythm of two and a half cycles. Gaps between stamps, frozen frames and
     /// jumps of 2 pi do not end a part.
     pub fn rhythmic_parts(&self) -> Vec<RhythmicPart> {
-        find(self, &pieces::missing(self))
+        find(&hand::seen(self), &pieces::missing(self))
     }
 
     /// The samples of a part, with their times.
@@ -94,10 +94,8 @@ impl Recording {
     }
 }
 
-/// The parts of a recording where stretches of time are `missing`.
-pub(super) fn find(recording: &Recording, missing: &[Missing]) -> Vec<RhythmicPart> {
-    let path = hand::path(recording);
-    let seen = path.as_ref().unwrap_or(recording);
+/// The parts of what is seen of a recording, where stretches of time are `missing`.
+pub(super) fn find(seen: &Recording, missing: &[Missing]) -> Vec<RhythmicPart> {
     let missing: Vec<Missing> = missing
         .iter()
         .copied()
