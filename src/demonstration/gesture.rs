@@ -8,7 +8,7 @@ use super::rhythmic_part::RhythmicPart;
 const MOST_CYCLES: f64 = 2.0;
 /// As are more than these, if they go this much farther from the mean posture than the rhythm does: raising and lowering.
 const FEWEST_CYCLES: f64 = 0.3;
-const FARTHER: f64 = 1.5;
+const FARTHER: f64 = 2.0;
 
 impl Recording {
     /// The gestures in it: itself, as it is, where nothing but a rhythm is in it or where no rhythm is found; else each

@@ -109,7 +109,9 @@ fn piece(recording: &Recording, first: usize, last: usize) -> Piece {
     let points = ((span * rate).round() as usize).max(1);
     let step = span / points as f64;
     let mut positions = DMatrix::zeros(recording.joints.len(), points + 1);
-    let passes = (2.0 * (SMOOTHING / step).powi(2)).round() as usize;
+    // Samples closer than the grid leave two points, and nothing to smooth.
+    let finest = SMOOTHING / step.max(1.0 / RATE);
+    let passes = (2.0 * finest.powi(2)).round() as usize;
     for d in 0..recording.joints.len() {
         let mut y: Vec<f64> = recording.positions.column(d).as_slice()[first..=last].to_vec();
         unwrap(&mut y);
