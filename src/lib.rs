@@ -146,7 +146,8 @@ pub use collision::{
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
-    Duration, Leakage, LeftOut, Recording, Variation, synthetic,
+    Duration, Finding, Flag, Inspection, Leakage, LeftOut, Recording, Rhythm, RhythmicPart,
+    Variation, synthetic,
 };
 pub use error::{Error, ErrorKind, Reason, Result};
 #[cfg(feature = "robot")]

@@ -250,6 +250,7 @@ fn every_verb_has_help_with_an_example() {
     for verb in [
         "reproduce",
         "learn",
+        "inspect-demos",
         "condition",
         "sample",
         "trajectory",

@@ -56,7 +56,7 @@ struct Column {
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
-    let recordings = arguments.recordings.uncut()?;
+    let recordings = arguments.recordings.gestures()?;
     let options = arguments.assumptions.options();
     let fits = CycleFits::new(&recordings, arguments.cycle_harmonics)?;
     for left_out in fits.left_out() {

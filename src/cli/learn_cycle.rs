@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             .expected("one of the two"));
         }
     }
-    let recordings = arguments.recordings.uncut()?;
+    let recordings = arguments.recordings.gestures()?;
     warn_of_units(&recordings);
     let fits = CycleFits::new(&recordings, arguments.harmonics.unwrap_or(HARMONICS))?;
     for left_out in fits.left_out() {

@@ -12,6 +12,7 @@ mod describe;
 mod execution;
 mod export;
 mod fit;
+mod inspect_demos;
 mod learn;
 mod learn_cycle;
 mod map;
@@ -67,6 +68,7 @@ enum Verb {
     Reproduce(reproduce::Arguments),
     Capture(capture::Arguments),
     Learn(learn::Arguments),
+    InspectDemos(inspect_demos::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
@@ -100,6 +102,7 @@ pub fn main() -> ExitCode {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
         Verb::Capture(arguments) => capture::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
+        Verb::InspectDemos(arguments) => inspect_demos::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::output;
 use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
@@ -29,21 +29,40 @@ pub(super) struct Recordings {
     /// The common period T [s] [default: the span for which (recordings kept) x T is largest].
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// Take a straight line out of each joint's recording first.
+    /// Take drift out of each joint's recording first: a straight line, or `=slow`, whatever changes slowly beside the rhythm.
+    #[arg(
+        long,
+        value_enum,
+        value_name = "line|slow",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "line"
+    )]
+    remove_drift: Option<Drift>,
+    /// Take whole turns out of jumps of more than half a turn.
     #[arg(long)]
-    remove_drift: bool,
+    unwrap: bool,
+    /// Take recordings whole, with whatever comes before and after the rhythm.
+    #[arg(long)]
+    uncut: bool,
     /// Seed of the synthetic demonstrator, where nothing else is learned.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
     seed: u64,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Drift {
+    Line,
+    Slow,
+}
+
 impl Recordings {
-    /// Cut to a common period.
+    /// Gestures, cut to a common period.
     pub fn demonstrations(&self) -> Result<Demonstrations> {
-        self.cut(&self.uncut()?)
+        self.cut(&self.gestures()?)
     }
 
-    /// Those that were read, cut to a common period.
+    /// Gestures that were read, cut to a common period.
     pub fn cut(&self, recordings: &[Recording]) -> Result<Demonstrations> {
         if self.is_synthetic()? {
             return synthetic(self.seed);
@@ -56,19 +75,66 @@ impl Recordings {
         self.duration.is_some()
     }
 
-    /// As they were recorded.
-    pub fn uncut(&self) -> Result<Vec<Recording>> {
+    /// What of the recordings is rhythmic, each at its own length; says what is left out.
+    pub fn gestures(&self) -> Result<Vec<Recording>> {
+        let recordings = self.recorded()?;
+        let synthetic = self.is_synthetic()?;
+        let mut gestures = Vec::new();
+        for recording in recordings {
+            if self.uncut || synthetic {
+                gestures.push(recording);
+                continue;
+            }
+            let found = recording.gestures();
+            if found
+                .iter()
+                .any(|gesture| gesture.name() != recording.name())
+            {
+                let (used, all) = (
+                    found.iter().map(Recording::span).sum::<f64>(),
+                    recording.span(),
+                );
+                output::note(format!(
+                    "{}: of {all:.2} s the rest is no rhythm; used are {used:.2} s, {}; --uncut takes all",
+                    recording.name(),
+                    match found.len() {
+                        1 => "one part".to_owned(),
+                        count => format!("{count} parts"),
+                    }
+                ));
+            }
+            gestures.extend(found);
+        }
+        Ok(gestures
+            .into_iter()
+            .map(|gesture| match self.remove_drift {
+                None => gesture,
+                Some(Drift::Line) => gesture.without_drift(),
+                Some(Drift::Slow) => gesture.without_slow_drift(),
+            })
+            .collect())
+    }
+
+    /// As they were recorded, but for jumps of whole turns where those are to go.
+    pub fn recorded(&self) -> Result<Vec<Recording>> {
         if self.is_synthetic()? {
             return Ok(synthetic(self.seed)?.recordings().to_vec());
         }
-        self.read()
+        let recordings = self.read()?;
+        Ok(if self.unwrap {
+            recordings.iter().map(Recording::unwrapped).collect()
+        } else {
+            recordings
+        })
     }
 
     fn is_synthetic(&self) -> Result<bool> {
         if self.inputs.is_empty() && self.list.is_none() {
             let about_files = self.joints.is_some()
                 || self.degrees
-                || self.remove_drift
+                || self.remove_drift.is_some()
+                || self.unwrap
+                || self.uncut
                 || self.duration.is_some();
             if about_files {
                 return Err(Error::new(
@@ -101,12 +167,7 @@ impl Recordings {
         let bar = output::progress(files.len() as u64, "reading recordings");
         let mut recordings = Vec::new();
         for file in &files {
-            let recording = Recording::open(file, &options)?;
-            recordings.push(if self.remove_drift {
-                recording.without_drift()
-            } else {
-                recording
-            });
+            recordings.push(Recording::open(file, &options)?);
             bar.inc(1);
         }
         bar.finish_and_clear();

@@ -31,6 +31,8 @@ pub(super) struct Window {
     pub weights: Vec<f64>,
     /// z_d: y_d(t) = offset + 2 Re z_d exp(i 2 pi f (t - t_0)) near the centre \[rad\], one a joint.
     pub phasors: Vec<Complex<f64>>,
+    /// The offsets beside them \[rad\].
+    pub offsets: Vec<f64>,
 }
 
 /// Windows along a recording, at a `frequency` \[Hz\] close to the rhythm's; none where samples are missing.
@@ -99,7 +101,7 @@ fn window(cycles: &[f64], positions: &DMatrix<f64>, step: usize, centre: f64) ->
         return None;
     }
     let inverse = gram.try_inverse()?;
-    let phasors = positions
+    let (offsets, phasors) = positions
         .column_iter()
         .map(|y| {
             let mut right = Vector3::zeros();
@@ -108,9 +110,9 @@ fn window(cycles: &[f64], positions: &DMatrix<f64>, step: usize, centre: f64) ->
             }
             let solution = inverse * right;
             // cos and -sin carry twice the phasor.
-            Complex::new(solution[1], solution[2]) / 2.0
+            (solution[0], Complex::new(solution[1], solution[2]) / 2.0)
         })
-        .collect();
+        .unzip();
     let near = |u: f64| cycles.partition_point(|v| *v < u - 1e-9);
     Some(Window {
         step,
@@ -119,6 +121,7 @@ fn window(cycles: &[f64], positions: &DMatrix<f64>, step: usize, centre: f64) ->
         first,
         weights,
         phasors,
+        offsets,
     })
 }
 

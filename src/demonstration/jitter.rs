@@ -276,6 +276,7 @@ mod tests {
             first: step,
             weights: vec![1.0],
             phasors: Vec::new(),
+            offsets: Vec::new(),
         }
     }
 

@@ -2,13 +2,23 @@
 
 mod cycle;
 mod demodulation;
+mod finding;
+mod gesture;
+mod half_cycles;
+mod hand;
+mod inspection;
 mod jitter;
 mod leakage;
 mod level;
 mod mean_cycle;
+mod pieces;
 mod read;
 mod recording;
 mod rhythm;
+mod rhythmic_part;
+mod runs;
+mod set;
+mod slow_drift;
 mod steady;
 mod synthetic;
 mod variation;
@@ -17,9 +27,12 @@ mod window;
 use realfft::RealFftPlanner;
 
 pub use cycle::{CycleFit, CycleFits};
+pub use finding::{Finding, Flag};
+pub use inspection::{Inspection, Rhythm};
 pub use leakage::Leakage;
 pub use read::CsvOptions;
 pub use recording::Recording;
+pub use rhythmic_part::RhythmicPart;
 pub use synthetic::{JOINTS as DEMONSTRATOR_JOINTS, PERIOD as DEMONSTRATOR_PERIOD, synthetic};
 pub use variation::Variation;
 pub use window::{Duration, LeftOut};

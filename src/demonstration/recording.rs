@@ -104,6 +104,19 @@ impl Recording {
         self.times[self.times.len() - 1] - self.times[0]
     }
 
+    /// Without jumps of 2 pi: whole turns are taken out of every step of more than half a turn.
+    #[must_use]
+    pub fn unwrapped(&self) -> Self {
+        let mut positions = self.positions.clone();
+        for mut column in positions.column_iter_mut() {
+            super::pieces::unwrap(column.as_mut_slice());
+        }
+        Self {
+            positions,
+            ..self.clone()
+        }
+    }
+
     /// Without the straight line through each joint's positions (least squares, its value at mid-time kept):
     /// a slow drift of posture is no part of a periodic gesture, and would leak into every harmonic.
     #[must_use]

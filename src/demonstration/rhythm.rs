@@ -5,9 +5,9 @@ use nalgebra::DMatrix;
 use super::Recording;
 
 /// Slower than this is drift of posture, not a gesture \[Hz\].
-const SLOWEST: f64 = 0.4;
+pub(super) const SLOWEST: f64 = 0.4;
 /// Faster than this no arm waves \[Hz\].
-const FASTEST: f64 = 8.0;
+pub(super) const FASTEST: f64 = 8.0;
 /// Of a longer recording only this much is looked at \[s\].
 const LONGEST: f64 = 60.0;
 /// Frequencies tried a 1/span, so that a peak is found to a sixteenth of the width of its lobe.

@@ -56,7 +56,7 @@ impl Variation {
     }
 }
 
-fn measure(recording: &Recording, tempo: f64) -> Result<Variation> {
+pub(super) fn measure(recording: &Recording, tempo: f64) -> Result<Variation> {
     let flat = recording.without_drift();
     let windows = demodulation::demodulate(&flat, tempo);
     let pairs = demodulation::a_cycle_apart(&windows);

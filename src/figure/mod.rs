@@ -6,6 +6,7 @@ mod canvas;
 mod font;
 mod frame;
 mod image;
+mod inspection;
 mod legend;
 mod plot;
 mod trace;
@@ -32,6 +33,7 @@ pub use bands::bands;
 #[cfg(feature = "robot")]
 pub use clearance::{ClearanceCourse, clearance};
 pub use image::{Color, Image, MAX_PIXELS, MAX_SIDE};
+pub use inspection::{inspection, inspection_svg};
 pub use plot::{Mark, Picture, Plot, Series, draw};
 #[cfg(feature = "robot")]
 pub use poses::Poses;

@@ -90,6 +90,32 @@ pub struct Picture {
 /// No plots or columns, data or ranges that are not finite, or a `size` that leaves no room for
 /// the panels.
 pub fn draw(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result<Picture> {
+    let panels = panels(plots, columns, size, MAX_SIDE / SUPERSAMPLING)?;
+    let (width, height) = (size.0 * SUPERSAMPLING, size.1 * SUPERSAMPLING);
+    let mut image = Image::filled(width, height, Color::WHITE)?;
+    let mut bitmap = BitMapBackend::with_buffer(&mut image.pixels, (width, height));
+    draw_panels(&panels, &mut bitmap, SUPERSAMPLING, false)?;
+    drop(bitmap);
+    Ok(Picture {
+        svg: svg(&panels, size)?,
+        png: image.downsampled(SUPERSAMPLING)?.to_png()?,
+    })
+}
+
+/// [`draw`] of an SVG alone, which may be as large as the panels of hundreds of recordings need.
+///
+/// # Errors
+/// Those of `draw`.
+pub(crate) fn draw_svg(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result<String> {
+    svg(&panels(plots, columns, size, MAX_SIDE)?, size)
+}
+
+fn panels(
+    plots: &[Plot],
+    columns: usize,
+    size: (u32, u32),
+    longest: u32,
+) -> Result<Vec<Panel<'_>>> {
     if plots.is_empty() || columns == 0 {
         return Err(Error::new(ErrorKind::Value, "a figure without panels"));
     }
@@ -100,7 +126,7 @@ pub fn draw(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result<Picture>
     if !numbers.all(|(x, y)| x.is_finite() && y.is_finite()) {
         return Err(Error::new(ErrorKind::Value, "data that are not finite"));
     }
-    if size.0.max(size.1) > MAX_SIDE / SUPERSAMPLING {
+    if size.0.max(size.1) > longest {
         return Err(Error::new(
             ErrorKind::Value,
             format!("a figure of {} x {} px", size.0, size.1),
@@ -110,31 +136,24 @@ pub fn draw(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result<Picture>
     for panel in &mut panels {
         give_headroom(panel)?;
     }
+    Ok(panels)
+}
 
-    let (width, height) = (size.0 * SUPERSAMPLING, size.1 * SUPERSAMPLING);
-    let mut image = Image::filled(width, height, Color::WHITE)?;
-    let mut bitmap = BitMapBackend::with_buffer(&mut image.pixels, (width, height));
-    draw_panels(&panels, &mut bitmap, SUPERSAMPLING, false)?;
-    drop(bitmap);
-
+fn svg(panels: &[Panel<'_>], size: (u32, u32)) -> Result<String> {
     let mut drawing = String::new();
     let mut vectors = SVGBackend::with_string(&mut drawing, (0, 0));
-    draw_panels(&panels, &mut vectors, SVG_STEPS, true)?;
+    draw_panels(panels, &mut vectors, SVG_STEPS, true)?;
     drop(vectors);
     // The head that plotters wrote knows nothing of our steps.
     let body = drawing.split_once('\n').map_or("", |(_, body)| body);
     let (width, height) = size;
-    let svg = format!(
+    Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n{body}",
         width * SVG_STEPS,
         height * SVG_STEPS,
-    );
-    Ok(Picture {
-        svg,
-        png: image.downsampled(SUPERSAMPLING)?.to_png()?,
-    })
+    ))
 }
 
 fn draw_panels<B: DrawingBackend>(
