@@ -1,0 +1,5 @@
+//! Mixtures.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod real;
