@@ -13,8 +13,11 @@ mod export;
 mod fit;
 mod learn;
 mod learn_cycle;
+mod learn_kinds;
+mod learning_curve;
 mod map;
 mod mend;
+mod model;
 mod moves;
 mod output;
 mod pairs;
@@ -40,6 +43,7 @@ use clap::{Parser, Subcommand};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::primitive::FourierMovementPrimitive;
+use model::Model;
 
 /// Wave gestures for robots: learn them from recordings, sample, check and execute them.
 #[derive(Parser)]
@@ -65,6 +69,7 @@ struct Cli {
 enum Verb {
     Reproduce(reproduce::Arguments),
     Learn(learn::Arguments),
+    LearningCurve(learning_curve::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
@@ -97,6 +102,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.verb {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
+        Verb::LearningCurve(arguments) => learning_curve::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
@@ -135,11 +141,11 @@ fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// Of one primitive.
 fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
-    FourierMovementPrimitive::from_json(&read_text(path)?).map_err(|e| {
-        e.help("`undulate learn` writes a model file")
-            .at(path.display().to_string())
-    })
+    Model::read(path)?
+        .one()
+        .map_err(|e| e.at(path.display().to_string()))
 }
 
 fn read_wave(path: &Path) -> Result<Wave> {

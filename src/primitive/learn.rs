@@ -224,7 +224,12 @@ impl FourierMovementPrimitive {
         Self::from_examples(&examples, &form, options.estimator)
     }
 
-    fn from_examples(examples: &[Example], form: &ChartForm, estimator: Estimator) -> Result<Self> {
+    /// Of the form that is given.
+    pub(super) fn from_examples(
+        examples: &[Example],
+        form: &ChartForm,
+        estimator: Estimator,
+    ) -> Result<Self> {
         Self::from_shares(examples, &vec![1.0; examples.len()], form, estimator)
     }
 

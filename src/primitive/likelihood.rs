@@ -1,6 +1,7 @@
 //! [`Likelihood`]: how probable a demonstration is, phases on the circle.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -73,20 +74,19 @@ impl Likelihood {
 
     /// ln of the density of each vector, on whatever branches their phases stand.
     pub fn logarithms(&self, vectors: &[&DVector<f64>]) -> Result<Vec<f64>> {
+        let n = self.mean.len();
         let (phases, after) = self.chart.starts();
-        let low: Vec<bool> = (0..self.mean.len())
-            .map(|i| self.chart.is_low(i, MOST_COUNTED))
-            .collect();
+        // Without a factor moduli, phases and the rest are independent, and only phases count in some demonstrations and not in others.
+        let parts = if self.covariance.factor().ncols() == 0 {
+            vec![0..phases, phases..after, after..n]
+        } else {
+            vec![0..n; 1]
+        };
+        let is_low: Vec<bool> = (0..n).map(|i| self.chart.is_low(i, MOST_COUNTED)).collect();
         let mut known: BTreeMap<Vec<bool>, Density> = BTreeMap::new();
-        let mut logarithms = Vec::new();
+        let mut logarithms = Vec::with_capacity(vectors.len());
         for x in vectors {
-            let mut counts = low.clone();
-            for (amplitude, counts) in self.amplitudes.iter().zip(&mut counts[phases..after]) {
-                *counts &= amplitude.as_ref().is_some_and(|a| a.is_seen(x));
-            }
-            let low = low.iter().filter(|low| **low).count();
-            let blind = low - counts.iter().filter(|counts| **counts).count();
-            let deviations: Vec<f64> = (0..x.len())
+            let deviations: Vec<f64> = (0..n)
                 .map(|i| {
                     let deviation = x[i] - self.mean[i];
                     if (phases..after).contains(&i) {
@@ -96,15 +96,30 @@ impl Likelihood {
                     }
                 })
                 .collect();
-            if !known.contains_key(&counts) {
-                known.insert(counts.clone(), self.density(&counts)?);
+            let mut counts = is_low.clone();
+            for (amplitude, counts) in self.amplitudes.iter().zip(&mut counts[phases..after]) {
+                *counts &= amplitude.as_ref().is_some_and(|a| a.is_seen(x));
             }
-            let of_blind = blind as f64 * libm::log(std::f64::consts::TAU);
-            logarithms.push(known[&counts].log(&deviations, 1.0, 1.0) - of_blind);
+            let told = |counts: &[bool]| counts.iter().filter(|counts| **counts).count();
+            let blind = (told(&is_low) - told(&counts)) as f64;
+            let mut logarithm = -blind * libm::log(std::f64::consts::TAU);
+            for part in &parts {
+                let of_part = (0..n).map(|i| counts[i] && part.contains(&i)).collect();
+                let density = match known.entry(of_part) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(new) => {
+                        let density = self.density(new.key())?;
+                        new.insert(density)
+                    }
+                };
+                logarithm += density.log(&deviations, 1.0, 1.0);
+            }
+            logarithms.push(logarithm);
         }
         Ok(logarithms)
     }
 
+    /// Of the coordinates that count.
     fn density(&self, counts: &[bool]) -> Result<Density> {
         let counts: Vec<f64> = counts.iter().map(|c| f64::from(u8::from(*c))).collect();
         let nothing = DVector::zeros(counts.len());

@@ -6,10 +6,14 @@ use super::normalized;
 use crate::error::{Error, ErrorKind, Result};
 use crate::primitive::Estimator;
 use crate::primitive::likelihood::Likelihood;
-use crate::primitive::scatter::Charted;
+use crate::primitive::scatter::{Charted, Scatter};
 
 /// A kind of fewer effective demonstrations has collapsed: two and a half are three of which one is half another's.
 pub(super) const FEWEST: f64 = 2.5;
+
+/// How many demonstrations the variances of all kinds together count for in each of them: as many as a kind needs. On sets of real recordings 3 to 12 told the same
+/// kinds, and without it three kinds of 34 demonstrations made left-out ones less probable than one did.
+const PRIOR: f64 = 3.0;
 
 /// A rise of the log-likelihood below this \[nats\] is none.
 const NO_RISE: f64 = 1e-7;
@@ -64,12 +68,29 @@ pub(super) fn maximize(
     best.ok_or_else(|| Error::new(ErrorKind::Infeasible, "no step of expectation maximisation"))
 }
 
+/// Shrinks the variances of each kind to the mean of those of all kinds, as if so many demonstrations more had shown it: a few demonstrations happen to be alike
+/// in some of some hundred coordinates, and those that were left out are not. One kind alone stays as it is.
+fn pool(scatters: &mut [Scatter]) {
+    let n = scatters.first().map_or(0, |s| s.deviations.len());
+    for i in 0..n {
+        let varies = |s: &&Scatter| s.deviations[i] > 0.0;
+        let count: f64 = scatters.iter().filter(varies).map(|s| s.count).sum();
+        let square = |s: &Scatter| s.count * s.deviations[i].powi(2);
+        let common = scatters.iter().filter(varies).map(square).sum::<f64>() / count;
+        for scatter in scatters.iter_mut().filter(|s| s.deviations[i] > 0.0) {
+            let own = scatter.count * scatter.deviations[i].powi(2);
+            scatter.deviations[i] = ((own + PRIOR * common) / (scatter.count + PRIOR)).sqrt();
+        }
+    }
+}
+
 /// Components from responsibilities, and responsibilities from these components.
 fn step(charted: &Charted, present: &[bool], shares: &DMatrix<f64>) -> Result<Maximum> {
     let (count, kinds) = shares.shape();
     let takes_part = present.iter().filter(|p| **p).count() as f64;
     let vectors: Vec<&DVector<f64>> = charted.vectors.iter().collect();
-    let mut joint = DMatrix::zeros(count, kinds);
+    let mut scatters = Vec::with_capacity(kinds);
+    let mut sums = Vec::with_capacity(kinds);
     for c in 0..kinds {
         let own: Vec<f64> = shares
             .column(c)
@@ -95,10 +116,15 @@ fn step(charted: &Charted, present: &[bool], shares: &DMatrix<f64>) -> Result<Ma
             ))
             .help("look for fewer kinds, or record more of each"));
         }
-        let scatter = charted.scatter(&own);
-        let gaussian = TELLING.gaussian(&scatter)?;
+        scatters.push(charted.scatter(&own));
+        sums.push(sum);
+    }
+    pool(&mut scatters);
+    let mut joint = DMatrix::zeros(count, kinds);
+    for (c, scatter) in scatters.iter().enumerate() {
+        let gaussian = TELLING.gaussian(scatter)?;
         let likelihood = Likelihood::of(&scatter.chart, &gaussian)?;
-        let of_kind = libm::log(sum / takes_part);
+        let of_kind = libm::log(sums[c] / takes_part);
         for (m, l) in likelihood.logarithms(&vectors)?.into_iter().enumerate() {
             joint[(m, c)] = of_kind + l;
         }
