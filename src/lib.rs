@@ -173,11 +173,12 @@ pub use motion::{
 };
 pub use posterior::Diagnostics;
 pub use primitive::{
-    Band, Bound, BoundedDraws, Bounds, ChartForm, Coordinate, Covariance, Cycles, Estimator,
-    Example, FourierMovementPrimitive, Gaussian, Harmonic, HeldOut, Jitter, JitterOf, Kronecker,
-    LearnOptions, LinearObservation, LogPolar, Observation, OffsetEvidence, OffsetForm, Offsets,
-    PhaseForm, Posterior, Quantity, Start, StartSpread, Target, TrajectoryMoments, Unit, ViaPoint,
-    WeightGradient, stream,
+    Band, Bound, BoundedDraws, Bounds, ChartForm, Component, Coordinate, Covariance, CurvePoint,
+    Cycles, Estimate, Estimator, Example, FourierMovementPrimitive, Gaussian, Grouping,
+    GroupingOptions, Harmonic, HeldOut, HeldOutKinds, Jitter, JitterOf, Kinds, Kronecker,
+    LearnOptions, LearningCurve, LinearObservation, LogPolar, LoneEnd, Mixture, Observation,
+    OffsetEvidence, OffsetForm, Offsets, PhaseForm, Posterior, Quantity, Seen, Start, StartSpread,
+    Target, TrajectoryMoments, Unit, ViaPoint, WeightGradient, stream,
 };
 pub use proportion::clopper_pearson;
 #[cfg(feature = "robot")]
@@ -208,6 +209,7 @@ const _: () = {
     shared::<CycleRing>();
     shared::<Demonstrations>();
     shared::<FourierMovementPrimitive>();
+    shared::<Mixture>();
     shared::<Diagnostics>();
     #[cfg(feature = "robot")]
     {

@@ -10,7 +10,7 @@ use super::demands::{Apart, Demands};
 use super::mend::By;
 use super::robot::{RobotArguments, tell_notes};
 use super::verdict::millimetres;
-use super::{Outcome, output, read_model, read_text};
+use super::{Model, Outcome, output, read_text};
 use crate::collision::{CollisionModel, Evidence};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{Assessment, Means, Verdict, mend};
@@ -99,10 +99,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let (from, to) = shard(arguments.shard.as_deref(), arguments.count)?;
     let text = read_text(&arguments.model)?;
-    let primitive = read_model(&arguments.model)?;
+    let model = Model::read(&arguments.model)?;
     let target = &arguments.robot;
-    let (robot, map) = target.load(primitive.chart().joints())?;
-    let (_, map_evidence) = target.map(primitive.chart().joints())?;
+    let (robot, map) = target.load(model.joints())?;
+    let (_, map_evidence) = target.map(model.joints())?;
     tell_notes(&robot);
     let (options, given) = arguments.demands.options(&robot)?;
     let apart = arguments.apart.options(&target.reading, &robot)?;
@@ -147,7 +147,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         || collision.prover(),
         |prover, index| {
             let draw = from + index as u64;
-            let wave = primitive.sample(&mut stream(arguments.seed, draw));
+            let wave = model.sample(&mut stream(arguments.seed, draw));
             let outcome = map.apply(&wave, &robot).and_then(|wave| {
                 let verdict = Verdict::with(&robot, prover, &wave, &options)?;
                 Ok((wave, verdict))

@@ -6,9 +6,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::wishes::Wishes;
-use super::{Outcome, output, read_model};
+use super::{Model, Outcome, output};
 use crate::error::{Error, ErrorKind, Result};
-use crate::primitive::{FourierMovementPrimitive, Observation, Quantity, Unit};
+use crate::primitive::{FourierMovementPrimitive, Mixture, Observation, Quantity, Unit};
 
 /// Standard deviations within which a condition is nothing unusual.
 const USUAL: f64 = 3.0;
@@ -26,21 +26,40 @@ const USUAL: f64 = 3.0;
     `+-VALUE` (or +-10%) behind a value makes it a wish with a standard deviation.\n\n\
     Examples:\n  \
     undulate condition model.json --given modulus:elbow_flexion:10=5deg -o large.json\n  \
+    undulate condition mixture.json --rename a=slow --rename b=fast -o named.json\n  \
+    undulate condition named.json --component slow -o slow.json\n  \
     undulate condition lively.json --tempo 1.2x --size 0.8x --more wrist_deviation -o quick.json")]
 pub(super) struct Arguments {
     /// The model file.
     model: PathBuf,
     #[command(flatten)]
     wishes: Wishes,
+    /// Of a mixture, the model of one kind alone.
+    #[arg(long, value_name = "NAME", conflicts_with = "rename")]
+    component: Option<String>,
+    /// Of a mixture, another name for a kind; may be given several times.
+    #[arg(long, value_name = "NAME=NEW")]
+    rename: Vec<String>,
     /// The model file to write.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
 }
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
-    let primitive = read_model(&arguments.model)?;
+    let primitive = match (Model::read(&arguments.model)?, &arguments.component) {
+        (Model::Many(mixture), None) => return of_mixture(&mixture, arguments, json),
+        (Model::Many(mixture), Some(name)) => mixture.component(name)?.primitive.clone(),
+        (Model::One(primitive), None) if arguments.rename.is_empty() => *primitive,
+        (Model::One(_), _) => {
+            return Err(Error::new(
+                ErrorKind::Setting,
+                "--component or --rename, and a model of one kind",
+            )
+            .expected("a mixture, as `undulate learn --kinds auto` writes it"));
+        }
+    };
     let given = arguments.wishes.observations(&primitive)?;
-    if given.is_empty() {
+    if given.is_empty() && arguments.component.is_none() {
         return Err(Error::new(ErrorKind::Setting, "no condition")
             .expected("--given, --tempo, --size, --more or --livelier"));
     }
@@ -70,6 +89,53 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             output::table(&["condition", "", "value", "median before", "after"], &rows),
             conditioned.gaussian().rank(),
             primitive.gaussian().rank(),
+            arguments.output.display()
+        )
+    });
+    Ok(Outcome::Done)
+}
+
+/// Conditions every kind, and weighs it by how probable it made what is given; with new names where they are asked for.
+fn of_mixture(mixture: &Mixture, arguments: &Arguments, json: bool) -> Result<Outcome> {
+    let mut renamed = mixture.clone();
+    for rename in &arguments.rename {
+        let (from, to) = rename.split_once('=').ok_or_else(|| {
+            Error::new(ErrorKind::Setting, format!("--rename {rename}"))
+                .expected("two names, OLD=NEW")
+        })?;
+        renamed = renamed.renamed(from, to)?;
+    }
+    let given = arguments.wishes.without_knobs()?;
+    if given.is_empty() && arguments.rename.is_empty() {
+        return Err(Error::new(ErrorKind::Setting, "no condition")
+            .expected("--given, --component or --rename"));
+    }
+    let conditioned = if given.is_empty() {
+        renamed.clone()
+    } else {
+        renamed.condition(given)?
+    };
+    output::write(&arguments.output, conditioned.to_json().as_bytes())?;
+    let after = |name: &str| conditioned.component(name).map_or(0.0, |c| c.weight);
+    let kinds = renamed.components();
+    let value = json!({
+        "model": arguments.output,
+        "given": given.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "kinds": kinds.iter().map(|c| json!({
+            "name": c.name,
+            "weight_before": c.weight,
+            "weight": after(&c.name),
+        })).collect::<Vec<_>>(),
+    });
+    output::report(json, &value, || {
+        let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+        let rows: Vec<Vec<String>> = kinds
+            .iter()
+            .map(|c| vec![c.name.clone(), percent(c.weight), percent(after(&c.name))])
+            .collect();
+        format!(
+            "{}\nwrote {}",
+            output::table(&["kind", "weight before", "after"], &rows),
             arguments.output.display()
         )
     });

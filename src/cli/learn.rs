@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::assumptions::{Assumptions, offset_table};
 use super::learn_cycle;
+use super::learn_kinds::{self, KindsFrom};
 use super::recordings::Recordings;
 use super::{Outcome, output};
 use crate::demonstration::Recording;
@@ -35,7 +36,8 @@ const IDENTICAL: f64 = 1e-9;
     undulate learn recordings/ -o model.json\n  \
     undulate learn a.csv b.csv c.csv --degrees --joints elbow,wrist -o model.json\n  \
     undulate learn --list set.txt --root recordings --harmonics 30 -o model.json\n  \
-    undulate learn recordings/ --period cycle -o lively.json"
+    undulate learn recordings/ --period cycle -o lively.json\n  \
+    undulate learn slow/ fast/ --period cycle --kinds folders -o both.json"
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -50,6 +52,9 @@ pub(super) struct Arguments {
     /// With --period cycle: how many cycles a drawn wave has before it repeats.
     #[arg(long, value_name = "C", default_value_t = 10)]
     pub cycles: usize,
+    /// Several kinds of wave at once: `auto` finds as many as left-out recordings ask for, a number so many; with `folders` every folder of recordings is a kind.
+    #[arg(long, value_name = "auto|N|folders")]
+    pub kinds: Option<KindsFrom>,
     #[command(flatten)]
     pub assumptions: Assumptions,
     /// The model file to write.
@@ -61,13 +66,13 @@ pub(super) struct Arguments {
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Period {
+pub(super) enum Period {
     Common,
     Cycle,
 }
 
 /// K of a common period.
-const HARMONICS: usize = 25;
+pub(super) const HARMONICS: usize = 25;
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     match arguments.period {
@@ -83,6 +88,20 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let options = arguments.assumptions.options();
     let examples = options.examples(&waves)?;
     let form = options.form(&examples)?;
+    for left_out in demonstrations.left_out() {
+        output::warn(format!(
+            "{} is left out: it {}",
+            left_out.name, left_out.reason
+        ));
+    }
+    if let Some(kinds) = arguments.kinds {
+        warn_of_units(demonstrations.recordings());
+        write_fits(arguments, waves.iter())?;
+        let recordings = demonstrations.recordings().iter();
+        let names: Vec<String> = recordings.map(|r| r.name().to_owned()).collect();
+        let given = (examples.as_slice(), &form);
+        return learn_kinds::run(arguments, kinds, &names, given, options.estimator, json);
+    }
     let estimator = options.estimator.chosen(&examples, &form)?;
     let options = LearnOptions {
         estimator,
@@ -93,12 +112,6 @@ fn common(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let highest = harmonics as f64 / demonstrations.period();
     let tempo = demonstrations.highest_tempo();
 
-    for left_out in demonstrations.left_out() {
-        output::warn(format!(
-            "{} is left out: it {}",
-            left_out.name, left_out.reason
-        ));
-    }
     if highest < 2.0 * tempo {
         output::warn(format!(
             "{} harmonics reach {highest:.2} Hz, less than twice the fastest tempo, {tempo:.2} Hz: the overtones of fast waves are lost; --harmonics {} keeps the first",

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::assumptions::offset_table;
 use super::learn::{Arguments, warn_of_sameness, warn_of_units, write_fits};
+use super::learn_kinds;
 use super::{Outcome, output};
 use crate::demonstration::{CycleFit, CycleFits};
 use crate::error::{Error, ErrorKind, Result};
@@ -12,7 +13,7 @@ use crate::primitive::{
 };
 
 /// K of a cycle.
-const HARMONICS: usize = 4;
+pub(super) const HARMONICS: usize = 4;
 
 /// A recording of which one steady rhythm explains less than this is worth a word.
 const LITTLE_EXPLAINED: f64 = 0.7;
@@ -55,6 +56,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let options = arguments.assumptions.options();
     let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
     let form = options.form_of_cycles(&fits, arguments.cycles)?;
+    if let Some(kinds) = arguments.kinds {
+        write_fits(arguments, fits.fits().iter().map(|fit| &fit.wave))?;
+        let names: Vec<String> = fits.fits().iter().map(|fit| fit.name.clone()).collect();
+        let given = (examples.as_slice(), &form);
+        return learn_kinds::run(arguments, kinds, &names, given, options.estimator, json);
+    }
     let estimator = options.estimator.chosen(&examples, &form)?;
     let options = LearnOptions {
         estimator,

@@ -15,8 +15,11 @@ mod fit;
 mod inspect_demos;
 mod learn;
 mod learn_cycle;
+mod learn_kinds;
+mod learning_curve;
 mod map;
 mod mend;
+mod model;
 mod moves;
 mod output;
 mod pairs;
@@ -42,6 +45,7 @@ use clap::{Parser, Subcommand};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::primitive::FourierMovementPrimitive;
+use model::Model;
 
 /// Wave gestures for robots: learn them from recordings, sample, check and execute them.
 #[derive(Parser)]
@@ -69,6 +73,7 @@ enum Verb {
     Capture(capture::Arguments),
     Learn(learn::Arguments),
     InspectDemos(inspect_demos::Arguments),
+    LearningCurve(learning_curve::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
@@ -103,6 +108,7 @@ pub fn main() -> ExitCode {
         Verb::Capture(arguments) => capture::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
         Verb::InspectDemos(arguments) => inspect_demos::run(arguments, cli.json),
+        Verb::LearningCurve(arguments) => learning_curve::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),
@@ -142,11 +148,11 @@ fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// Of one primitive.
 fn read_model(path: &Path) -> Result<FourierMovementPrimitive> {
-    FourierMovementPrimitive::from_json(&read_text(path)?).map_err(|e| {
-        e.help("`undulate learn` writes a model file")
-            .at(path.display().to_string())
-    })
+    Model::read(path)?
+        .one()
+        .map_err(|e| e.at(path.display().to_string()))
 }
 
 fn read_wave(path: &Path) -> Result<Wave> {

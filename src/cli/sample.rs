@@ -9,7 +9,7 @@ use serde_json::json;
 use super::robot::{Reading, RobotArguments, tell_notes};
 use super::source::Source;
 use super::wishes::Wishes;
-use super::{Outcome, output, read_model};
+use super::{Model, Outcome, output};
 use crate::collision::{Certification, CollisionModel};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::Verdict;
@@ -95,9 +95,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         }
         rate => rate,
     };
-    let primitive = read_model(&arguments.model)?;
-    let primitive = primitive.condition(&arguments.wishes.observations(&primitive)?)?;
-    let bounds = Bounds::new(primitive.chart().joints(), &arguments.within)?;
+    let model = Model::read(&arguments.model)?.conditioned(&arguments.wishes)?;
+    let bounds = Bounds::new(model.joints(), &arguments.within)?;
     let gate = match &arguments.robot {
         Some(robot) => {
             let arguments = RobotArguments {
@@ -105,17 +104,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                 map: arguments.map.clone(),
                 reading: arguments.reading.clone(),
             };
-            Some(Gate::new(&arguments, primitive.chart().joints())?)
+            Some(Gate::new(&arguments, model.joints())?)
         }
         None => None,
     };
-    let period = primitive.chart().period();
-    let source = Source::new(
-        primitive,
-        &arguments.towards,
-        arguments.seed,
-        arguments.start,
-    )?;
+    let period = model.period();
+    let source = Source::new(model, &arguments.towards, arguments.seed, arguments.start)?;
     let bar = output::progress(arguments.count, "drawing waves");
     let mut kept = Vec::new();
     let mut refusals: BTreeMap<String, u64> = BTreeMap::new();

@@ -10,7 +10,7 @@ use super::moves::{Course, Loaded, MoveArguments};
 use super::robot::{RobotArguments, tell_notes};
 use super::screened::{Line, share, summary, words};
 use super::trajectory::Form;
-use super::{Outcome, output, read_model};
+use super::{Model, Outcome, output};
 use crate::collision::{Certification, CollisionModel, Prover, Stretch};
 use crate::error::{Error, ErrorKind, Result};
 use crate::feasibility::{CheckOptions, Verdict};
@@ -18,7 +18,7 @@ use crate::figure::{ClearanceCourse, clearance};
 use crate::fourier::Wave;
 use crate::motion::Motion;
 use crate::parallel;
-use crate::primitive::{FourierMovementPrimitive, stream};
+use crate::primitive::stream;
 use crate::retarget::JointMap;
 use crate::robot::Robot;
 
@@ -77,7 +77,7 @@ pub(super) struct Arguments {
 /// Where motions come from.
 enum Motions {
     Drawn {
-        primitive: Box<FourierMovementPrimitive>,
+        model: Model,
         map: JointMap,
         count: usize,
         seed: u64,
@@ -156,10 +156,10 @@ impl Arguments {
                 return Err(Error::new(ErrorKind::Setting, format!("{count} waves"))
                     .expected(format!("from 1 to {MOST}")));
             }
-            let primitive = read_model(path)?;
-            let (map, _) = self.robot.map(primitive.chart().joints())?;
+            let model = Model::read(path)?;
+            let (map, _) = self.robot.map(model.joints())?;
             return Ok(Motions::Drawn {
-                primitive: Box::new(primitive),
+                model,
                 map,
                 count,
                 seed: self.seed,
@@ -197,7 +197,8 @@ fn is_model(path: &Path) -> bool {
         format: String,
     }
     let bytes = crate::document::bytes(path).unwrap_or_default();
-    serde_json::from_slice::<Header>(&bytes).is_ok_and(|h| h.format == "undulate model")
+    serde_json::from_slice::<Header>(&bytes)
+        .is_ok_and(|h| matches!(h.format.as_str(), "undulate model" | "undulate mixture"))
 }
 
 /// Files of motions in a folder, by name.
@@ -232,12 +233,9 @@ impl Motions {
     fn drawn(&self, index: usize, robot: &Robot) -> Option<Result<Wave>> {
         match self {
             Self::Drawn {
-                primitive,
-                map,
-                seed,
-                ..
+                model, map, seed, ..
             } => {
-                let wave = primitive.sample(&mut stream(*seed, index as u64));
+                let wave = model.sample(&mut stream(*seed, index as u64));
                 Some(map.apply(&wave, robot))
             }
             Self::Read(_) => None,

@@ -1,20 +1,20 @@
-//! Where drawn waves come from: a primitive, or its posterior given targets.
+//! Where drawn waves come from: a primitive or a mixture, or the posterior of a primitive given targets.
 
 use rand::distr::Distribution;
 use serde_json::{Value, json};
 
-use super::output;
+use super::{Model, output};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::posterior::{Diagnostics, Schedule};
-use crate::primitive::{FourierMovementPrimitive, Posterior, Start, Target, stream};
+use crate::primitive::{Posterior, Start, Target, stream};
 
 /// Standard deviations of a target that the draws may be off on average before that is worth a word.
 const MISSED: f64 = 2.0;
 
 /// Waves by number.
 pub(super) struct Source {
-    primitive: FourierMovementPrimitive,
+    model: Model,
     posterior: Option<(Posterior, Diagnostics)>,
     /// Of each target, as text, mean and standard deviation of what the draws reach \[rad\].
     reached: Vec<(String, f64, f64)>,
@@ -24,15 +24,10 @@ pub(super) struct Source {
 
 impl Source {
     /// Runs the chains where there are targets.
-    pub fn new(
-        primitive: FourierMovementPrimitive,
-        targets: &[Target],
-        seed: u64,
-        start: Start,
-    ) -> Result<Self> {
+    pub fn new(model: Model, targets: &[Target], seed: u64, start: Start) -> Result<Self> {
         if targets.is_empty() {
             return Ok(Self {
-                primitive,
+                model,
                 posterior: None,
                 reached: Vec::new(),
                 seed,
@@ -46,6 +41,7 @@ impl Source {
             )
             .expected("one of the two"));
         }
+        let primitive = model.one()?;
         let bar = output::progress(1, "following chains");
         let schedule = Schedule {
             warm_up: 1000,
@@ -88,7 +84,7 @@ impl Source {
             reached.push((target.to_string(), mean, square.sqrt()));
         }
         Ok(Self {
-            primitive,
+            model: Model::One(Box::new(primitive)),
             posterior: Some((posterior, diagnostics)),
             reached,
             seed,
@@ -100,7 +96,7 @@ impl Source {
     pub fn wave(&self, index: u64) -> Result<Wave> {
         let Some((posterior, _)) = &self.posterior else {
             let mut rng = stream(self.seed, index);
-            let wave = self.primitive.sample(&mut rng);
+            let wave = self.model.sample(&mut rng);
             return Ok(self.start.apply(&wave, &mut rng));
         };
         let (chains, draws) = (posterior.chains() as u64, posterior.draws() as u64);

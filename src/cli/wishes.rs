@@ -28,6 +28,27 @@ pub(super) struct Wishes {
 }
 
 impl Wishes {
+    /// The conditions, for a mixture: a knob turns what one kind of wave does.
+    pub fn without_knobs(&self) -> Result<&[Observation]> {
+        let turned = [
+            (self.tempo.is_some(), "--tempo"),
+            (self.size.is_some(), "--size"),
+            (!self.more.is_empty(), "--more"),
+            (self.livelier.is_some(), "--livelier"),
+        ];
+        match turned.iter().find(|(is_turned, _)| *is_turned) {
+            None => Ok(&self.given),
+            Some((_, knob)) => Err(Error::new(
+                ErrorKind::Unsupported,
+                format!("{knob} of a mixture, whose kinds have each their own tempo and size"),
+            )
+            .expected("conditions (--given)")
+            .help(
+                "or take one kind out: `undulate condition MIXTURE --component NAME -o one.json`",
+            )),
+        }
+    }
+
     /// All of them as observations of a primitive; knobs are told as what they are translated to. The more specific has the last word: `--more` acts on top of
     /// `--size`, and a condition in the place of a knob that sets the same quantity.
     pub fn observations(&self, primitive: &FourierMovementPrimitive) -> Result<Vec<Observation>> {

@@ -10,6 +10,9 @@ use crate::demonstration::{CycleFits, Demonstrations};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Joints, Wave};
 
+/// A demonstration that counts less than this counts for nothing, and costs a column.
+const NO_SHARE: f64 = 1e-9;
+
 /// How offsets enter the vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
@@ -221,14 +224,37 @@ impl FourierMovementPrimitive {
         Self::from_examples(&examples, &form, options.estimator)
     }
 
-    fn from_examples(examples: &[Example], form: &ChartForm, estimator: Estimator) -> Result<Self> {
-        if (form.phases, estimator) == (PhaseForm::Principal, Estimator::MaximumLikelihood) {
+    /// Of the form that is given.
+    pub(super) fn from_examples(
+        examples: &[Example],
+        form: &ChartForm,
+        estimator: Estimator,
+    ) -> Result<Self> {
+        Self::from_shares(examples, &vec![1.0; examples.len()], form, estimator)
+    }
+
+    /// Learns from demonstrations each of which counts a share of 0 to 1.
+    pub(super) fn from_shares(
+        examples: &[Example],
+        shares: &[f64],
+        form: &ChartForm,
+        estimator: Estimator,
+    ) -> Result<Self> {
+        let (examples, shares): (Vec<Example>, Vec<f64>) = examples
+            .iter()
+            .zip(shares)
+            .filter(|(_, share)| **share > NO_SHARE)
+            .map(|(example, share)| (example.clone(), *share))
+            .unzip();
+        let plain =
+            (form.phases, estimator) == (PhaseForm::Principal, Estimator::MaximumLikelihood);
+        if plain && shares.iter().all(|share| *share == 1.0) {
             // To the letter, and with the fewest columns.
-            let (chart, vectors) = charted(examples, form)?;
+            let (chart, vectors) = charted(&examples, form)?;
             return Self::new(chart, Gaussian::maximum_likelihood(&vectors)?);
         }
-        let estimator = estimator.chosen(examples, form)?;
-        let scatter = Scatter::of(examples, form)?;
+        let estimator = estimator.chosen_for(&examples, &shares, form)?;
+        let scatter = Scatter::weighted(&examples, &shares, form)?;
         let gaussian = estimator.gaussian(&scatter)?;
         Self::new(scatter.chart, gaussian)
     }

@@ -10,6 +10,10 @@ mod gaussian;
 mod knobs;
 mod kronecker;
 mod learn;
+mod learning_curve;
+mod likelihood;
+mod lone;
+mod mixture;
 mod moments;
 mod observation;
 mod scatter;
@@ -32,6 +36,9 @@ pub use example::Example;
 pub use gaussian::{Gaussian, LinearObservation};
 pub use kronecker::Kronecker;
 pub use learn::{LearnOptions, OffsetEvidence, Offsets};
+pub use learning_curve::{CurvePoint, Estimate, LearningCurve};
+pub use lone::{LoneEnd, Seen};
+pub use mixture::{Component, Grouping, GroupingOptions, HeldOutKinds, Kinds, Mixture};
 pub use moments::TrajectoryMoments;
 pub use observation::{Coordinate, Harmonic, JitterOf, Observation, Quantity, Unit};
 pub use start::Start;
@@ -206,6 +213,15 @@ impl FourierMovementPrimitive {
     /// When a coordinate does not exist or a value is no value of its quantity.
     pub fn mahalanobis(&self, observations: &[Observation]) -> Result<f64> {
         Ok(self.gaussian.mahalanobis(&self.linear(observations)?))
+    }
+
+    /// ln of the density that the primitive gives these values together, those of logarithms with respect to ln: what a mixture weighs its components by. Angles count
+    /// on the branch on which they are observed; a uniform one has density 1 / (2 pi).
+    ///
+    /// # Errors
+    /// When a coordinate does not exist or a value is no value of its quantity.
+    pub fn log_evidence(&self, observations: &[Observation]) -> Result<f64> {
+        Ok(self.linear_evidence(&self.linear(observations)?))
     }
 
     /// The observations over the vector of the chart.

@@ -29,7 +29,83 @@ pub(super) const UNIFORM: f64 = std::f64::consts::TAU;
 /// A coordinate that spreads less than this does not vary.
 const STILL: f64 = 1e-12;
 
-/// Mean, standard deviation and direction of each of n coordinates over M waves.
+/// Demonstrations as vectors of one chart, with branches about zero, and the amplitudes that their phases are weighted by.
+pub(super) struct Charted {
+    pub chart: LogPolar,
+    /// M of them.
+    pub vectors: Vec<DVector<f64>>,
+    /// Of each demonstration D K.
+    amplitudes: Vec<Vec<f64>>,
+}
+
+impl Charted {
+    /// Of at least two demonstrations of one shape.
+    pub fn of(examples: &[Example], form: &ChartForm) -> Result<Self> {
+        let (chart, vectors) = charted(examples, form)?;
+        let (phases, after) = chart.starts();
+        let amplitudes = examples
+            .iter()
+            .map(|example| {
+                let of = |own| amplitude(&chart, example, own);
+                (0..after - phases).map(of).collect()
+            })
+            .collect();
+        Ok(Self {
+            chart,
+            vectors,
+            amplitudes,
+        })
+    }
+
+    /// What they say where demonstration m counts `shares[m]` times, of 0 to 1; not all of them 0.
+    pub fn scatter(&self, shares: &[f64]) -> Scatter {
+        let chart = self.chart.clone();
+        let n = chart.dimension();
+        let (phases, after) = chart.starts();
+        let is_circular = chart.phase_form() != PhaseForm::Principal;
+        let total: f64 = shares.iter().sum();
+        let mut scatter = Scatter {
+            mean: DVector::zeros(n),
+            deviations: vec![0.0; n],
+            directions: DMatrix::zeros(self.vectors.len(), n),
+            count: total * total / dot(shares, shares),
+            uniform: Vec::new(),
+            amplitudes: vec![0.0; after - phases],
+            chart,
+        };
+        for i in 0..n {
+            let values: Vec<f64> = self.vectors.iter().map(|x| x[i]).collect();
+            if (phases..after).contains(&i) && is_circular {
+                let own = i - phases;
+                let amplitudes: Vec<f64> = self.amplitudes.iter().map(|a| a[own]).collect();
+                let products = amplitudes.iter().zip(shares).map(|(a, r)| a * r);
+                let weights: Vec<f64> = products.collect();
+                scatter.amplitudes[own] = dot(&weights, &amplitudes) / weights.iter().sum::<f64>();
+                scatter.set_angle(i, &values, &weights);
+            } else {
+                scatter.set_number(i, &values, shares);
+            }
+        }
+        if is_circular {
+            let centres = scatter.mean.as_slice()[phases..after].to_vec();
+            scatter.chart = scatter.chart.about(centres);
+        }
+        scatter
+    }
+}
+
+/// What the phase at index `own` of D K is weighted by: the modulus, times that of the one it is relative to.
+fn amplitude(chart: &LogPolar, example: &Example, own: usize) -> f64 {
+    let harmonics = chart.harmonics();
+    let modulus = |i: usize| {
+        let weight = example.wave.weights()[(i / harmonics, i % harmonics)];
+        weight.norm().max(FLOOR)
+    };
+    let anchor = chart.phases().anchor(own / harmonics, own % harmonics);
+    modulus(own) * anchor.map_or(1.0, |(anchor, _)| modulus(anchor))
+}
+
+/// Mean, standard deviation and direction of each of n coordinates over M waves, each of which counts a share r of 0 to 1 (1 but for mixtures).
 ///
 /// The correlation of coordinates i and j is the product of their directions, unit vectors in R^M (zero for what does not vary). For an angle
 /// with weights v_m (amplitudes: at zero amplitude there is no phase), sum 1, effective number N = 1 / sum v_m^2 and resultant
@@ -44,6 +120,8 @@ pub(super) struct Scatter {
     pub deviations: Vec<f64>,
     /// M x n.
     pub directions: DMatrix<f64>,
+    /// How many demonstrations they are worth: (sum r)^2 / sum r^2 of their shares r (Kish, Survey Sampling, 1965, section 11.7); M where all count whole.
+    pub count: f64,
     /// The phases that are uniform, by index of x.
     pub uniform: Vec<usize>,
     /// Of each phase, the mean of the amplitudes that it was weighted by, by the same weights; D K of them.
@@ -51,49 +129,14 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// Of at least two demonstrations of one shape.
+    /// Of at least two demonstrations of one shape, all of which count whole.
     pub fn of(examples: &[Example], form: &ChartForm) -> Result<Self> {
-        let (chart, vectors) = charted(examples, form)?;
-        let n = chart.dimension();
-        let (phases, after) = chart.starts();
-        let mut scatter = Self {
-            mean: DVector::zeros(n),
-            deviations: vec![0.0; n],
-            directions: DMatrix::zeros(examples.len(), n),
-            uniform: Vec::new(),
-            amplitudes: vec![0.0; after - phases],
-            chart,
-        };
-        for i in 0..n {
-            let values: Vec<f64> = vectors.iter().map(|x| x[i]).collect();
-            if (phases..after).contains(&i) && form.phases != PhaseForm::Principal {
-                let own = i - phases;
-                let weights: Vec<f64> = examples
-                    .iter()
-                    .map(|example| scatter.amplitude(example, own))
-                    .collect();
-                scatter.amplitudes[own] = dot(&weights, &weights) / weights.iter().sum::<f64>();
-                scatter.set_angle(i, &values, &weights);
-            } else {
-                scatter.set_number(i, &values);
-            }
-        }
-        if form.phases != PhaseForm::Principal {
-            let centres = scatter.mean.as_slice()[phases..after].to_vec();
-            scatter.chart = scatter.chart.about(centres);
-        }
-        Ok(scatter)
+        Self::weighted(examples, &vec![1.0; examples.len()], form)
     }
 
-    /// What the phase at index `own` of D K is weighted by: the modulus, times that of the one it is relative to.
-    fn amplitude(&self, example: &Example, own: usize) -> f64 {
-        let harmonics = self.chart.harmonics();
-        let modulus = |i: usize| {
-            let weight = example.wave.weights()[(i / harmonics, i % harmonics)];
-            weight.norm().max(FLOOR)
-        };
-        let anchor = self.chart.phases().anchor(own / harmonics, own % harmonics);
-        modulus(own) * anchor.map_or(1.0, |(anchor, _)| modulus(anchor))
+    /// The same with a share for each.
+    pub fn weighted(examples: &[Example], shares: &[f64], form: &ChartForm) -> Result<Self> {
+        Ok(Charted::of(examples, form)?.scatter(shares))
     }
 
     /// Whether a demonstration has so little amplitude at coordinate `i` that its phase there tells nothing.
@@ -101,14 +144,18 @@ impl Scatter {
         let (phases, after) = self.chart.starts();
         let is_angle =
             self.chart.phase_form() != PhaseForm::Principal && (phases..after).contains(&i);
-        is_angle && self.amplitude(example, i - phases) < FAINT * self.amplitudes[i - phases]
+        is_angle
+            && amplitude(&self.chart, example, i - phases) < FAINT * self.amplitudes[i - phases]
     }
 
-    fn set_number(&mut self, i: usize, values: &[f64]) {
-        let count = values.len() as f64;
+    fn set_number(&mut self, i: usize, values: &[f64], shares: &[f64]) {
+        let count: f64 = shares.iter().sum();
+        let weighted = || values.iter().zip(shares);
         // Relative to the first, so that values far from zero lose nothing to cancellation.
-        let shift = values.iter().map(|v| v - values[0]).sum::<f64>() / count;
-        let deviations: Vec<f64> = values.iter().map(|v| (v - values[0]) - shift).collect();
+        let shift = weighted().map(|(v, r)| r * (v - values[0])).sum::<f64>() / count;
+        let deviations: Vec<f64> = weighted()
+            .map(|(v, r)| r.sqrt() * ((v - values[0]) - shift))
+            .collect();
         self.mean[i] = values[0] + shift;
         let spread = (dot(&deviations, &deviations) / count).sqrt();
         self.set_direction(i, &deviations, spread);
@@ -156,11 +203,6 @@ impl Scatter {
         for (direction, deviation) in self.directions.column_mut(i).iter_mut().zip(deviations) {
             *direction = deviation / norm;
         }
-    }
-
-    /// M.
-    pub fn count(&self) -> usize {
-        self.directions.nrows()
     }
 }
 

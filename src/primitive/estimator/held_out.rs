@@ -41,11 +41,17 @@ impl HeldOut {
     /// # Errors
     /// When there are fewer than three, or they make no primitive.
     pub fn each(examples: &[Example], form: &ChartForm) -> Result<Vec<Self>> {
+        Self::each_weighted(examples, &vec![1.0; examples.len()], form)
+    }
+
+    /// The same where each counts a share of 0 to 1.
+    fn each_weighted(examples: &[Example], shares: &[f64], form: &ChartForm) -> Result<Vec<Self>> {
         (0..examples.len())
             .map(|m| {
-                let mut rest = examples.to_vec();
+                let (mut rest, mut shares) = (examples.to_vec(), shares.to_vec());
                 let left_out = rest.remove(m);
-                Self::new(&rest, &left_out, form)
+                shares.remove(m);
+                Self::against(Scatter::weighted(&rest, &shares, form)?, &left_out)
             })
             .collect()
     }
@@ -55,7 +61,10 @@ impl HeldOut {
     /// # Errors
     /// Those of [`each`](Self::each).
     pub fn new(rest: &[Example], example: &Example, form: &ChartForm) -> Result<Self> {
-        let scatter = Scatter::of(rest, form)?;
+        Self::against(Scatter::of(rest, form)?, example)
+    }
+
+    fn against(scatter: Scatter, example: &Example) -> Result<Self> {
         let x = scatter.chart.vector_of(example)?;
         let counted: Vec<f64> = (0..x.len())
             .map(|i| {
@@ -190,6 +199,16 @@ impl Estimator {
     /// # Errors
     /// Those of [`HeldOut::each`].
     pub fn chosen(self, examples: &[Example], form: &ChartForm) -> Result<Self> {
+        self.chosen_for(examples, &vec![1.0; examples.len()], form)
+    }
+
+    /// The same where each counts a share of 0 to 1.
+    pub(in crate::primitive) fn chosen_for(
+        self,
+        examples: &[Example],
+        shares: &[f64],
+        form: &ChartForm,
+    ) -> Result<Self> {
         if self != (Self::Kronecker { weight: None }) {
             return Ok(self);
         }
@@ -198,9 +217,10 @@ impl Estimator {
             return Ok(Self::Kronecker { weight: Some(1.0) });
         }
         let mut sums = [0.0; STEPS];
-        for left_out in HeldOut::each(examples, form)? {
+        let left_out = HeldOut::each_weighted(examples, shares, form)?;
+        for (left_out, share) in left_out.iter().zip(shares) {
             for (sum, score) in sums.iter_mut().zip(left_out.scores()?) {
-                *sum += score;
+                *sum += share * score;
             }
         }
         let best = weights()

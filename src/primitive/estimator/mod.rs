@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 use nalgebra::{DMatrix, DVector};
 
+pub(super) use density::Density;
 pub use held_out::HeldOut;
 
 use super::covariance::Covariance;
@@ -77,14 +78,15 @@ impl Estimator {
                     );
                 }
                 let scales = vec![weight.sqrt(); n];
-                let blocks = target::blocks(&scatter.chart, &scatter.directions, &scales)?;
+                let blocks =
+                    target::blocks(&scatter.chart, &scatter.directions, scatter.count, &scales)?;
                 Covariance::new(c * (1.0 - weight).sqrt(), blocks, zeros)
             }
             Self::LowRankKronecker => low_rank(scatter),
             Self::LedoitWolf => diagonal(ledoit_wolf_weight(scatter)),
             Self::Oas => {
                 let gram = &scatter.directions * c.clone();
-                diagonal(oas(&gram, (0..n).map(active).sum(), scatter.count() as f64))
+                diagonal(oas(&gram, (0..n).map(active).sum(), scatter.count))
             }
         }
     }
@@ -128,13 +130,13 @@ fn low_rank(scatter: &Scatter) -> Result<Covariance> {
             column.fill(0.0);
         }
     }
-    let blocks = target::blocks(&scatter.chart, &rest, &scales)?;
+    let blocks = target::blocks(&scatter.chart, &rest, scatter.count, &scales)?;
     let factor = DMatrix::from_column_slice(n, 1, factor.as_slice());
     Covariance::new(factor, blocks, DVector::zeros(n))
 }
 
 fn ledoit_wolf_weight(scatter: &Scatter) -> f64 {
-    let m = scatter.count() as f64;
+    let m = scatter.count;
     // With x_m = sqrt(M) times row m of the directions: C = sum x x^T / M, and |C|^2 is that of the Gram matrix.
     let gram = &scatter.directions * scatter.directions.transpose();
     let p = gram.trace();

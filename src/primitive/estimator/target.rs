@@ -39,16 +39,17 @@ fn kinds(chart: &LogPolar) -> Vec<Kind> {
 
 /// Blocks of correlation A (x) AR(1) for log moduli and for phases, and one each for offsets and for swings, frequency and jitter (without harmonics),
 /// nothing between them, from `directions` (M x n, unit
-/// columns, or zero where a coordinate takes no part) times `scales` (n).
+/// columns, or zero where a coordinate takes no part) of so many demonstrations, times `scales` (n).
 ///
 /// A is pooled over the harmonics and shrunk by OAS, rho is the pooled correlation of neighbouring harmonics: O(D^2) numbers in all.
 pub(super) fn blocks(
     chart: &LogPolar,
     directions: &DMatrix<f64>,
+    count: f64,
     scales: &[f64],
 ) -> Result<Vec<Kronecker>> {
-    let count = directions.nrows();
-    let column = |i: usize| &directions.as_slice()[i * count..][..count];
+    let rows = directions.nrows();
+    let column = |i: usize| &directions.as_slice()[i * rows..][..rows];
     let is_active = |i: usize| dot(column(i), column(i)) > 0.0;
     kinds(chart)
         .into_iter()
@@ -79,7 +80,7 @@ pub(super) fn blocks(
             let active = (kind.start..kind.start + kind.groups * kind.length)
                 .filter(|i| is_active(*i))
                 .count();
-            let samples = count as f64 * (active as f64 / kind.groups as f64).max(1.0);
+            let samples = count * (active as f64 / kind.groups as f64).max(1.0);
             let weight = super::oas(&correlation, kind.groups as f64, samples);
             let diagonal = DMatrix::identity(kind.groups, kind.groups);
             correlation = correlation * (1.0 - weight) + diagonal * weight;

@@ -14,28 +14,28 @@ const MOST_HARMONICS: f64 = 1e6;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ModelFile {
-    pub format: String,
-    pub version: u64,
-    pub joints: Vec<String>,
+pub(in crate::primitive) struct ModelFile {
+    pub(super) format: String,
+    pub(super) version: u64,
+    pub(super) joints: Vec<String>,
     /// T, where it is common to all waves; else `cycles`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub period_s: Option<f64>,
+    pub(super) period_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub cycles: Option<CyclesEntry>,
-    pub harmonics: usize,
-    pub phases: PhasesEntry,
+    pub(super) cycles: Option<CyclesEntry>,
+    pub(super) harmonics: usize,
+    pub(super) phases: PhasesEntry,
     /// One a joint: `signed`, `positive` or `negative`.
-    pub offsets: Vec<OffsetEntry>,
+    pub(super) offsets: Vec<OffsetEntry>,
     /// n numbers in the order of `LogPolar`.
-    pub mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
     /// r columns of n numbers each: the covariance is the sum of their outer products, ..
-    pub factor: Vec<Vec<f64>>,
+    pub(super) factor: Vec<Vec<f64>>,
     /// .. of Kronecker blocks, ..
-    pub blocks: Vec<BlockEntry>,
+    pub(super) blocks: Vec<BlockEntry>,
     /// .. and of what coordinates do alone: index and standard deviation.
-    pub independent: Vec<(usize, f64)>,
-    pub observations: Vec<ObservationEntry>,
+    pub(super) independent: Vec<(usize, f64)>,
+    pub(super) observations: Vec<ObservationEntry>,
 }
 
 /// How many cycles a drawn wave has, and how they follow each other.

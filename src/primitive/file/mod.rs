@@ -14,9 +14,8 @@ use super::{
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Autoregression, Joints, Wave};
-use entries::{
-    BlockEntry, CyclesEntry, ModelFile, ModelFile1, ObservationEntry, OffsetEntry, PhasesEntry,
-};
+pub(super) use entries::ModelFile;
+use entries::{BlockEntry, CyclesEntry, ModelFile1, ObservationEntry, OffsetEntry, PhasesEntry};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
@@ -26,6 +25,10 @@ const VERSION: u64 = 2;
 impl FourierMovementPrimitive {
     /// The model file, version 2.
     pub fn to_json(&self) -> String {
+        document::write(&self.to_file())
+    }
+
+    pub(super) fn to_file(&self) -> ModelFile {
         let (chart, gaussian) = (&self.chart, &self.gaussian);
         let covariance = gaussian.prior_covariance();
         let centres_rad = chart.phases().centres().to_vec();
@@ -35,7 +38,7 @@ impl FourierMovementPrimitive {
                 .collect()
         };
         let independent = covariance.independent().iter().copied().enumerate();
-        document::write(&ModelFile {
+        ModelFile {
             format: MODEL.to_owned(),
             version: VERSION,
             joints: chart.joints().iter().cloned().collect(),
@@ -84,7 +87,7 @@ impl FourierMovementPrimitive {
                     deviation: o.deviation,
                 })
                 .collect(),
-        })
+        }
     }
 
     /// Reads a model file of any version; numbers come back bit for bit.
@@ -104,7 +107,16 @@ impl FourierMovementPrimitive {
             let factor = factor(&file.factor, file.mean.len())?;
             return Self::new(chart, Gaussian::new(DVector::from_vec(file.mean), factor)?);
         }
-        let file: ModelFile = document::read(text, MODEL, VERSION)?;
+        Self::from_file(document::read(text, MODEL, VERSION)?)
+    }
+
+    /// Of the version that is written.
+    pub(super) fn from_file(file: ModelFile) -> Result<Self> {
+        if (file.format.as_str(), file.version) != (MODEL, VERSION) {
+            let found = format!("`{}` of version {}", file.format, file.version);
+            return Err(Error::new(ErrorKind::Syntax, found)
+                .expected(format!("`{MODEL}` of version {VERSION}")));
+        }
         let n = file.mean.len();
         let entries = (file.joints, file.harmonics, n);
         let forms = OffsetsAndPhases {

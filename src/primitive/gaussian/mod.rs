@@ -151,6 +151,15 @@ impl Gaussian {
         &self.covariance
     }
 
+    /// The same before any observation.
+    pub(in crate::primitive) fn prior(&self) -> Self {
+        Self {
+            mean: self.prior_mean.as_ref().clone(),
+            observed: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// The observations, in the order in which they were eliminated.
     pub fn observations(&self) -> impl ExactSizeIterator<Item = &LinearObservation> {
         self.observed.iter().map(|o| &o.observation)

@@ -139,21 +139,57 @@ impl Gaussian {
         Ok(true)
     }
 
-    /// The Mahalanobis distance of exact or inexact values from what is expected of them, given what is observed already:
-    /// sqrt((b - A mu)^T V^-1 (b - A mu)). Values that are certain already add nothing.
-    pub(in crate::primitive) fn mahalanobis(&self, observations: &[LinearObservation]) -> f64 {
+    /// How the values of exact or inexact observations compare to what is expected of them, given what is observed already.
+    ///
+    /// An angle that an `is_uniform` coordinate leaves no narrower than `uniform` \[rad\] has the density of the circle.
+    pub(in crate::primitive) fn surprise(
+        &self,
+        observations: &[LinearObservation],
+        is_uniform: impl Fn(usize) -> bool,
+        uniform: f64,
+    ) -> Surprise {
         let mut posterior = self.clone();
-        let mut squared = 0.0;
+        let (mut squared, mut log_density) = (0.0, 0.0);
+        let normal = 0.5 * libm::log(std::f64::consts::TAU);
         for observation in observations {
             let residual = observation.value - posterior.mean_of(&observation.row);
             let (latent, noise) = posterior.remaining(&observation.row, observation.own_noise());
             let left = norm(&latent, &noise);
-            if posterior.eliminate(observation) == Ok(true) {
-                squared += (residual / left).powi(2);
+            match posterior.eliminate(observation) {
+                Ok(true) => {
+                    let distance = (residual / left).powi(2);
+                    squared += distance;
+                    let is_uniform = observation.row.iter().any(|(i, _)| is_uniform(*i));
+                    log_density -= if is_uniform && left >= uniform {
+                        2.0 * normal
+                    } else {
+                        0.5 * distance + libm::log(left) + normal
+                    };
+                }
+                // As narrow as anything that counts as certain.
+                Ok(false) => log_density -= libm::log(NO_VARIANCE) + normal,
+                Err(_) => log_density = f64::NEG_INFINITY,
             }
         }
-        squared.sqrt()
+        Surprise {
+            squared,
+            log_density,
+        }
     }
+
+    /// The Mahalanobis distance of exact or inexact values from what is expected of them, given what is observed already:
+    /// sqrt((b - A mu)^T V^-1 (b - A mu)). Values that are certain already add nothing.
+    pub(in crate::primitive) fn mahalanobis(&self, observations: &[LinearObservation]) -> f64 {
+        self.surprise(observations, |_| false, 0.0).squared.sqrt()
+    }
+}
+
+/// What values come to, against what was expected of them.
+pub(in crate::primitive) struct Surprise {
+    /// (b - A mu)^T V^-1 (b - A mu), without values that were certain.
+    pub squared: f64,
+    /// ln N(b; A mu, V).
+    pub log_density: f64,
 }
 
 pub(super) fn norm(latent: &[f64], noise: &[f64]) -> f64 {
