@@ -95,10 +95,12 @@
 #![warn(missing_docs)]
 #![forbid(unsafe_code)]
 
+mod baseline;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "robot")]
 mod collision;
+mod comparison;
 mod demonstration;
 mod document;
 mod elementary;
@@ -113,7 +115,6 @@ mod geometry;
 #[cfg(feature = "robot")]
 mod motion;
 mod normal;
-#[cfg(feature = "simulation")]
 mod parallel;
 pub mod posterior;
 mod primitive;
@@ -134,11 +135,18 @@ mod vectors;
 
 pub use {nalgebra, num_complex, rand};
 
+pub use baseline::{
+    GestureModel, LinearGaussian, ModelKind, Resolution, RhythmicProMp, StrokeProMp, Wish,
+};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
     MinimumClearance, Moment, Pair, PairContacts, PairStatus, ProfileInterval, Prover, Scene,
     SceneObject, SceneShape, Stretch, Verified, Work,
+};
+pub use comparison::{
+    Compared, Comparison, ComparisonOptions, Conditioned, Distance, Estimate, Paired, Seconds,
+    Statistic,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,

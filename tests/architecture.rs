@@ -20,14 +20,16 @@ const RANKS: [&[&str]; 9] = [
     &["fourier", "geometry", "posterior"],
     &["demonstration", "motion", "robot"],
     &["collision", "primitive", "retarget"],
-    &["shipped", "simulation"],
-    &["feasibility"],
+    &["baseline", "shipped", "simulation"],
+    &["comparison", "feasibility"],
     &["figure", "testing"],
     &["cli"],
 ];
 
 /// Beyond rank: the learning half knows no robot, the robot half no primitive.
-const STRANGERS: [(&str, &str); 7] = [
+const STRANGERS: [(&str, &str); 9] = [
+    ("baseline", "robot"),
+    ("comparison", "robot"),
     ("primitive", "robot"),
     ("demonstration", "robot"),
     ("retarget", "primitive"),

@@ -3,6 +3,7 @@
 mod assess;
 mod assumptions;
 mod check;
+mod compare;
 mod compare_estimators;
 mod compare_periods;
 mod condition;
@@ -65,6 +66,7 @@ struct Cli {
 enum Verb {
     Reproduce(reproduce::Arguments),
     Learn(learn::Arguments),
+    Compare(compare::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.verb {
         Verb::Reproduce(arguments) => reproduce::run(arguments, cli.json),
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
+        Verb::Compare(arguments) => compare::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),

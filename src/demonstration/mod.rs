@@ -1,5 +1,6 @@
 //! Demonstrations: recordings of one kind of gesture, checked and cut to a common period.
 
+mod course;
 mod cycle;
 mod demodulation;
 mod jitter;
@@ -16,6 +17,7 @@ mod window;
 
 use realfft::RealFftPlanner;
 
+pub(crate) use course::Course;
 pub use cycle::{CycleFit, CycleFits};
 pub use leakage::Leakage;
 pub use read::CsvOptions;

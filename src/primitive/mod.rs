@@ -27,6 +27,7 @@ use rand::{Rng, SeedableRng};
 pub use bounds::{Bound, BoundedDraws, Bounds};
 pub use chart::{ChartForm, Cycles, Jitter, LogPolar, OffsetForm, PhaseForm};
 pub use covariance::Covariance;
+pub(crate) use estimator::{Density, block, weights};
 pub use estimator::{Estimator, HeldOut};
 pub use example::Example;
 pub use gaussian::{Gaussian, LinearObservation};

@@ -8,7 +8,7 @@ use crate::vectors::dot;
 /// N(0, f F F^T + t T), T what the blocks and independent parts of a covariance make, for many f and t: Woodbury's identity and the matrix determinant
 /// lemma about T, whose inverse square root W is explicit but for what is left of a Kronecker product when some coordinates take no part.
 /// Coordinates in which T has no variance are left out.
-pub(super) struct Density {
+pub(crate) struct Density {
     whitening: Vec<Whitening>,
     logarithm: f64,
     /// How many coordinates there are.
