@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::Rng;
 
 use super::aligned::{Aligned, aligned};
-use super::stroke_promp::{given, ridge};
+use super::stroke_promp::{WIDTH, given, ridge};
 use super::{GestureModel, Wish, gaussian};
 use crate::demonstration::Recording;
 use crate::error::{Error, ErrorKind, Result};
@@ -99,10 +99,10 @@ impl GestureModel for RhythmicProMp {
     }
 }
 
-/// N x B: exp(kappa (cos(phase - c_b) - 1)) about B centres around the circle, as wide as these lie apart, normalised to sum 1.
+/// N x B: exp(kappa (cos(phase - c_b) - 1)) about B centres around the circle, about as wide as a stroke's, normalised to sum 1.
 fn design(phases: &[f64], bases: usize) -> DMatrix<f64> {
     let apart = TAU / bases as f64;
-    let concentration = 1.0 / (apart * apart);
+    let concentration = (WIDTH * apart).powi(-2);
     let mut design = DMatrix::from_fn(phases.len(), bases, |n, b| {
         (concentration * ((phases[n] - b as f64 * apart).cos() - 1.0)).exp()
     });

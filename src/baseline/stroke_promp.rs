@@ -11,7 +11,10 @@ use crate::fourier::Joints;
 use crate::primitive::{Gaussian, LinearObservation};
 
 /// Added to the mean diagonal entry of the normal equations, as a share of it.
-pub(super) const RIDGE: f64 = 1e-6;
+const RIDGE: f64 = 1e-6;
+
+/// Standard deviation of a base in distances of centres. Of 1, weights of neighbours cancel each other, and what varies among them runs away in draws.
+pub(super) const WIDTH: f64 = 0.6;
 
 /// Harmonics by which the start of a recording is found.
 const HARMONICS: usize = 1;
@@ -158,11 +161,11 @@ fn phases(times: &[f64], duration: f64) -> Vec<f64> {
         .collect()
 }
 
-/// N x B: Gaussian bases with centres from 0 to 1, as wide as these lie apart, normalised to sum 1.
+/// N x B: Gaussian bases with centres from 0 to 1, normalised to sum 1.
 fn design(phases: &[f64], bases: usize) -> DMatrix<f64> {
-    let width = 1.0 / (bases - 1) as f64;
+    let apart = 1.0 / (bases - 1) as f64;
     let mut design = DMatrix::from_fn(phases.len(), bases, |n, b| {
-        (-0.5 * ((phases[n] - b as f64 * width) / width).powi(2)).exp()
+        (-0.5 * ((phases[n] - b as f64 * apart) / (WIDTH * apart)).powi(2)).exp()
     });
     for mut row in design.row_iter_mut() {
         let sum = row.sum();

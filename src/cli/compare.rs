@@ -10,7 +10,7 @@ use super::trajectory::Form;
 use super::{Outcome, output};
 use crate::baseline::Resolution;
 use crate::comparison::{
-    Compared, Comparison, ComparisonOptions, Conditioned, Distance, Estimate, Statistic,
+    Compared, Comparison, ComparisonOptions, Conditioned, DISTANCES, Distance, Estimate, Statistic,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure;
@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "H", default_value_t = 4)]
     cycle_harmonics: usize,
     /// How many motions are drawn of each model for each left-out demonstration.
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 100)]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 50)]
     draws: u64,
     /// Seed of draws and of the bootstrap.
     #[arg(long, value_name = "SEED", default_value_t = 0)]
@@ -109,7 +109,7 @@ fn value(comparison: &Comparison, arguments: &Arguments) -> Value {
             .map(|(s, e)| (s.key().to_owned(), number(e)))
             .collect()
     };
-    let distances = |estimates: &[Estimate; 3]| -> Value {
+    let distances = |estimates: &[Estimate; DISTANCES]| -> Value {
         let entries = Distance::ALL.iter().zip(estimates);
         entries
             .map(|(d, e)| (d.name().to_owned(), number(e)))

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::bootstrap::Estimate;
 use super::yardstick::{Measured, Yardstick};
-use super::{Compared, ComparisonOptions, Distance, energy, statistic};
+use super::{Compared, ComparisonOptions, DISTANCES, energy, statistic};
 use crate::baseline::{GestureModel, ModelKind, Wish};
 use crate::demonstration::{Recording, Variation};
 use crate::error::Result;
@@ -18,7 +18,7 @@ pub struct Conditioned {
     /// The same of the frequency.
     pub frequency_off: Estimate,
     /// In the order of [`Distance::ALL`].
-    pub distances: [Estimate; 3],
+    pub distances: [Estimate; DISTANCES],
 }
 
 /// How long it took \[s\].
@@ -53,9 +53,12 @@ pub(super) struct Evaluation {
     draw: Vec<f64>,
 }
 
+/// Of the swing and of the frequency, and distances.
+type Off = ([f64; 2], [f64; DISTANCES]);
+
 #[derive(Default, Clone)]
 struct Given {
-    rows: Vec<[f64; 5]>,
+    rows: Vec<Off>,
     refused: Option<String>,
 }
 
@@ -149,7 +152,7 @@ impl LeftOutOne<'_> {
     }
 
     /// How far off swing and frequency are, and distances.
-    fn compared(&self, motions: &mut [Measured]) -> Result<[f64; 5]> {
+    fn compared(&self, motions: &mut [Measured]) -> Result<Off> {
         let truth = self.variation()?;
         let off = |of: &dyn Fn(&Variation) -> f64| {
             let logarithms: Vec<f64> = motions
@@ -160,14 +163,14 @@ impl LeftOutOne<'_> {
             (square / logarithms.len() as f64).sqrt()
         };
         let (swing, frequency) = (off(&|v| v.swing[self.joint]), off(&|v| v.frequency));
-        let distances = [0, 1, 2].map(|i| {
+        let distances = std::array::from_fn(|i| {
             let vectors: Vec<Vec<Vec<f64>>> = motions
                 .iter_mut()
                 .map(|m| std::mem::take(&mut m.vectors[i]))
                 .collect();
             energy::distance(&vectors, &self.measured.vectors[i])
         });
-        Ok([swing, frequency, distances[0], distances[1], distances[2]])
+        Ok(([swing, frequency], distances))
     }
 }
 
@@ -217,20 +220,20 @@ impl Evaluation {
 
     /// Distance number `i` to each left-out demonstration, as drawn.
     pub fn distances(&self, i: usize) -> impl Iterator<Item = f64> {
-        self.given[0].rows.iter().map(move |row| row[2 + i])
+        self.given[0].rows.iter().map(move |row| row.1[i])
     }
 
     pub fn compared(&self, kind: ModelKind, joint: usize, options: &ComparisonOptions) -> Compared {
-        let column = |given: &Given, i: usize| {
-            let values: Vec<f64> = given.rows.iter().map(|row| row[i]).collect();
+        let mean = |given: &Given, of: &dyn Fn(&Off) -> f64| {
+            let values: Vec<f64> = given.rows.iter().map(of).collect();
             Estimate::of_mean(&values, options.confidence, options.seed)
         };
-        let distances = |given: &Given| Distance::ALL.map(|d| column(given, 2 + d as usize));
+        let distances = |given: &Given| std::array::from_fn(|i| mean(given, &|off| off.1[i]));
         let given = |given: &Given| match &given.refused {
             Some(reason) => Err(reason.clone()),
             None => Ok(Conditioned {
-                swing_off: column(given, 0),
-                frequency_off: column(given, 1),
+                swing_off: mean(given, &|off| off.0[0]),
+                frequency_off: mean(given, &|off| off.0[1]),
                 distances: distances(given),
             }),
         };

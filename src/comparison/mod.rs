@@ -6,6 +6,9 @@ mod evaluation;
 mod statistic;
 mod yardstick;
 
+#[cfg(test)]
+mod tests;
+
 pub use bootstrap::Estimate;
 pub use evaluation::{Conditioned, Seconds};
 pub use statistic::Statistic;
@@ -19,26 +22,33 @@ use evaluation::{Evaluation, FoldOutcome};
 /// Demonstrations with a rhythm that a comparison needs: two to learn from, one to leave out, and one more for an interval.
 const FEWEST: usize = 4;
 
+/// How many distances there are.
+pub(crate) const DISTANCES: usize = 4;
+
 /// What is compared between drawn motions and a left-out demonstration, by the energy distance of the vectors that are seen of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Distance {
     /// Two cycles of all joints, from an upper turning point of the dominant joint on, in seconds of the left-out demonstration's tempo, in units of each joint's demonstrated standard deviation, root mean square.
     Motion,
-    /// Levels of all joints in third octaves from 0.3 to 10 Hz, of the whole length, root mean square \[dB\]; 0.1 deg is added to each amplitude.
-    Spectrum,
+    /// Amplitudes of all joints in third octaves from 0.3 to 10 Hz, of the whole length without its drift, in units of each joint's demonstrated standard deviation, root of the sum of squares: where
+    /// the motion has its power.
+    Power,
+    /// The same amplitudes as levels, root mean square \[dB\], 0.1 deg added to each: a band that nobody sees counts as much as the gesture.
+    Level,
     /// ln tempo, ln swing of the dominant joint, ln envelope variation, ln tempo variation over the whole length, in units of their demonstrated standard deviation.
     Course,
 }
 
 impl Distance {
     /// One of each.
-    pub const ALL: [Self; 3] = [Self::Motion, Self::Spectrum, Self::Course];
+    pub const ALL: [Self; DISTANCES] = [Self::Motion, Self::Power, Self::Level, Self::Course];
 
     /// In a word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Motion => "motion",
-            Self::Spectrum => "spectrum",
+            Self::Power => "power",
+            Self::Level => "level",
             Self::Course => "course",
         }
     }
@@ -105,7 +115,7 @@ pub struct Compared {
     /// In the order of [`Statistic::ALL`].
     pub statistics: Vec<Estimate>,
     /// In the order of [`Distance::ALL`].
-    pub distances: [Estimate; 3],
+    pub distances: [Estimate; DISTANCES],
     /// As drawn, and given each left-out demonstration's own swing of the dominant joint, or its frequency; the reason where a model cannot.
     pub given: [std::result::Result<Conditioned, String>; 3],
     /// Medians.

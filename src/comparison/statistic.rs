@@ -89,7 +89,7 @@ impl Statistic {
 
     /// From the mean row of motions.
     fn of(self, row: &[f64], joint: usize) -> f64 {
-        let (rhythmic, mean) = (row[0], |i: usize| row[i] / row[0]);
+        let mean = |i: usize| row[i] / row[0];
         let variation = |i: usize| (mean(i + 1) - mean(i).powi(2)).max(0.0).sqrt() / mean(i);
         match self {
             Self::Envelope => mean(1),
@@ -100,7 +100,7 @@ impl Statistic {
             Self::Beyond => row[6],
             Self::SwingBetween => variation(7),
             Self::TempoBetween => variation(9),
-            Self::Rhythmless => 1.0 - rhythmic,
+            Self::Rhythmless => row[11],
             Self::PhaseSpread => {
                 let others = row[NUMBERS..]
                     .chunks(3)
@@ -116,7 +116,7 @@ impl Statistic {
 }
 
 /// Numbers of a row before those of the joints.
-const NUMBERS: usize = 11;
+const NUMBERS: usize = 12;
 
 /// What statistics are made of: sums over motions divided by how many there are.
 pub(super) fn row(motions: &[Measured], joint: usize) -> Vec<f64> {
@@ -124,7 +124,10 @@ pub(super) fn row(motions: &[Measured], joint: usize) -> Vec<f64> {
     let mut row = vec![0.0; NUMBERS + 3 * joints];
     for motion in motions {
         row[6] += f64::from(u8::from(motion.is_beyond));
-        let Ok(v) = &motion.variation else { continue };
+        let Ok(v) = &motion.variation else {
+            row[11] += 1.0;
+            continue;
+        };
         let lock = v.lock.iter().sum::<f64>() / joints as f64;
         let (swing, f) = (v.swing[joint], v.frequency);
         let numbers = [

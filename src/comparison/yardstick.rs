@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::DISTANCES;
 use crate::demonstration::{Course, Recording, Variation};
 use crate::error::{Error, ErrorKind, Result};
 
@@ -44,8 +45,8 @@ pub(super) struct Yardstick<'a> {
 
 /// What is measured of a motion.
 pub(super) struct Measured {
-    /// Windows, spectrum, course: the vectors that distances compare, in the order of [`Distance`](super::Distance).
-    pub vectors: [Vec<Vec<f64>>; 3],
+    /// The vectors that distances compare, in the order of [`Distance`](super::Distance).
+    pub vectors: [Vec<Vec<f64>>; DISTANCES],
     pub variation: Result<Variation>,
     /// Of each joint, the product of its first harmonic and the conjugate of the reference joint's.
     pub relative: Vec<Complex<f64>>,
@@ -132,10 +133,12 @@ impl<'a> Yardstick<'a> {
             .iter()
             .zip(y.column_iter())
             .any(|((low, high), y)| y.min() < *low || y.max() > *high);
+        let [power, level] = self.spectrum(&motion);
         Ok(Measured {
             vectors: [
                 self.windows(&motion, &course.turns),
-                vec![self.spectrum(&motion)],
+                vec![power],
+                vec![level],
                 course.variation.iter().map(of_course).collect(),
             ],
             jerk: jerk(&motion) / (TAU * frequency).powi(2),
@@ -174,25 +177,25 @@ impl<'a> Yardstick<'a> {
         starts.into_iter().map(window).collect()
     }
 
-    /// Levels of each joint in third octaves \[dB\].
-    fn spectrum(&self, motion: &Recording) -> Vec<f64> {
+    /// Amplitudes of each joint in third octaves, in units of the joints' spreads, and as levels \[dB\].
+    fn spectrum(&self, motion: &Recording) -> [Vec<f64>; 2] {
         let flat = motion.without_drift();
-        let mut levels = Vec::new();
-        for y in flat.positions().column_iter() {
+        let (mut amplitudes, mut levels) = (Vec::new(), Vec::new());
+        for (y, spread) in flat.positions().column_iter().zip(&self.spreads) {
             let mean = y.mean();
             for tones in &self.bands {
                 let square = |tone: &Vec<Complex<f64>>| {
-                    let sum: Complex<f64> =
-                        tone.iter().zip(y.iter()).map(|(e, y)| e * (y - mean)).sum();
-                    sum.norm_sqr()
+                    let terms = tone.iter().zip(y.iter()).map(|(e, y)| e * (y - mean));
+                    terms.sum::<Complex<f64>>().norm_sqr()
                 };
                 let power = tones.iter().map(square).sum::<f64>() / tones.len() as f64;
+                amplitudes.push(power.sqrt() / spread);
                 levels.push(20.0 * (power.sqrt() + FAINT).log10());
             }
         }
         let root = (levels.len() as f64).sqrt();
         levels.iter_mut().for_each(|l| *l /= root);
-        levels
+        [amplitudes, levels]
     }
 }
 
