@@ -96,11 +96,13 @@
 #![forbid(unsafe_code)]
 
 mod anatomy;
+mod baseline;
 mod capture;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "robot")]
 mod collision;
+mod comparison;
 mod demonstration;
 mod document;
 mod elementary;
@@ -115,7 +117,6 @@ mod geometry;
 #[cfg(feature = "robot")]
 mod motion;
 mod normal;
-#[cfg(feature = "simulation")]
 mod parallel;
 pub mod posterior;
 mod primitive;
@@ -137,12 +138,19 @@ mod vectors;
 pub use {nalgebra, num_complex, rand};
 
 pub use anatomy::{ARM_ANGLES, ShoulderOrder};
+pub use baseline::{
+    GestureModel, LinearGaussian, ModelKind, Resolution, RhythmicProMp, StrokeProMp, Wish,
+};
 pub use capture::{ArmMotion, BoneMap, Bvh, CaptureNote, Captured, PositionOptions, Side};
 #[cfg(feature = "robot")]
 pub use collision::{
     Certificate, Certification, Checker, Clearance, CollisionModel, CollisionOptions, Evidence,
     MinimumClearance, Moment, Pair, PairContacts, PairStatus, ProfileInterval, Prover, Scene,
     SceneObject, SceneShape, Stretch, Verified, Work,
+};
+pub use comparison::{
+    Compared, Comparison, ComparisonOptions, Conditioned, Distance, Estimate, Paired, Seconds,
+    Statistic,
 };
 pub use demonstration::{
     CsvOptions, CycleFit, CycleFits, DEMONSTRATOR_JOINTS, DEMONSTRATOR_PERIOD, Demonstrations,
@@ -174,10 +182,10 @@ pub use motion::{
 pub use posterior::Diagnostics;
 pub use primitive::{
     Band, Bound, BoundedDraws, Bounds, ChartForm, Component, Coordinate, Covariance, CurvePoint,
-    Cycles, Estimate, Estimator, Example, FourierMovementPrimitive, Gaussian, Grouping,
-    GroupingOptions, Harmonic, HeldOut, HeldOutKinds, Jitter, JitterOf, Kinds, Kronecker,
-    LearnOptions, LearningCurve, LinearObservation, LogPolar, LoneEnd, Mixture, Observation,
-    OffsetEvidence, OffsetForm, Offsets, PhaseForm, Posterior, Quantity, Seen, Start, StartSpread,
+    Cycles, Estimator, Example, FourierMovementPrimitive, Gaussian, Grouping, GroupingOptions,
+    Harmonic, HeldOut, HeldOutKinds, Jitter, JitterOf, Kinds, Kronecker, LearnOptions,
+    LearningCurve, LinearObservation, LogPolar, LoneEnd, Mixture, Observation, OffsetEvidence,
+    OffsetForm, Offsets, PhaseForm, Posterior, Quantity, SampleMean, Seen, Start, StartSpread,
     Target, TrajectoryMoments, Unit, ViaPoint, WeightGradient, stream,
 };
 pub use proportion::clopper_pearson;

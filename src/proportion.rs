@@ -79,8 +79,8 @@ fn crossing(is_below: impl Fn(f64) -> bool) -> f64 {
     }
 }
 
-/// The regularised incomplete beta function I_x(a, b), for a and b of 1 or more.
-fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
+/// The regularised incomplete beta function I_x(a, b), for positive a and b.
+pub(crate) fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return x.clamp(0.0, 1.0);
     }

@@ -21,15 +21,17 @@ const RANKS: [&[&str]; 9] = [
     &["fourier", "geometry", "posterior"],
     &["demonstration", "motion", "robot"],
     &["capture", "collision", "primitive", "retarget"],
-    &["shipped", "simulation"],
-    &["feasibility"],
+    &["baseline", "shipped", "simulation"],
+    &["comparison", "feasibility"],
     &["figure", "testing"],
     &["cli"],
 ];
 
 /// Beyond rank: the learning half knows no robot, the robot half no primitive.
-const STRANGERS: [(&str, &str); 8] = [
+const STRANGERS: [(&str, &str); 10] = [
+    ("baseline", "robot"),
     ("capture", "robot"),
+    ("comparison", "robot"),
     ("primitive", "robot"),
     ("demonstration", "robot"),
     ("retarget", "primitive"),

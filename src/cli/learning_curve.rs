@@ -14,7 +14,7 @@ use super::{Outcome, output};
 use crate::demonstration::CycleFits;
 use crate::error::Result;
 use crate::figure::{Color, Mark, Plot, Series, draw};
-use crate::primitive::{ChartForm, CurvePoint, Estimate, Example, LearningCurve, LoneEnd, Seen};
+use crate::primitive::{ChartForm, CurvePoint, Example, LearningCurve, LoneEnd, SampleMean, Seen};
 
 /// Ends of quantities that are told.
 const TOLD: usize = 5;
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         output::write(path, &form.bytes(picture))?;
     }
 
-    let estimate = |e: Estimate| json!({"mean": e.mean, "standard_error": e.error});
+    let estimate = |e: SampleMean| json!({"mean": e.mean, "standard_error": e.error});
     let value = json!({
         "curve": curve.points().iter().map(|p| json!({
             "demonstrations": p.demonstrations,
@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         })).collect::<Vec<_>>(),
         "last_doubling": curve.last_doubling().map(estimate),
         "next_doubling": curve.next_doubling().map(estimate),
-        "still_rises": curve.last_doubling().map(Estimate::is_certain),
+        "still_rises": curve.last_doubling().map(SampleMean::is_certain),
         "worth": worth.iter().zip(&names).map(|(w, name)| json!({
             "name": name, "density": w.mean, "standard_error": w.error,
         })).collect::<Vec<_>>(),
@@ -132,7 +132,7 @@ impl Arguments {
     }
 }
 
-fn told(estimate: Estimate) -> String {
+fn told(estimate: SampleMean) -> String {
     format!("{:.3} +- {:.3}", estimate.mean, estimate.error)
 }
 
@@ -166,13 +166,13 @@ fn verdict(curve: &LearningCurve) -> String {
 }
 
 /// From the most useful to the one that spoils most.
-fn worths(names: &[String], worth: &[Estimate]) -> String {
+fn worths(names: &[String], worth: &[SampleMean]) -> String {
     let mut order: Vec<usize> = (0..worth.len()).collect();
     order.sort_by(|a, b| worth[*b].mean.total_cmp(&worth[*a].mean));
     let rows: Vec<Vec<String>> = order
         .into_iter()
         .map(|m| {
-            let spoils = Estimate {
+            let spoils = SampleMean {
                 mean: -worth[m].mean,
                 ..worth[m]
             };

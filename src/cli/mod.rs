@@ -4,6 +4,7 @@ mod assess;
 mod assumptions;
 mod capture;
 mod check;
+mod compare;
 mod compare_estimators;
 mod compare_periods;
 mod condition;
@@ -74,6 +75,7 @@ enum Verb {
     Learn(learn::Arguments),
     InspectDemos(inspect_demos::Arguments),
     LearningCurve(learning_curve::Arguments),
+    Compare(compare::Arguments),
     CompareEstimators(compare_estimators::Arguments),
     ComparePeriods(compare_periods::Arguments),
     Condition(condition::Arguments),
@@ -109,6 +111,7 @@ pub fn main() -> ExitCode {
         Verb::Learn(arguments) => learn::run(arguments, cli.json),
         Verb::InspectDemos(arguments) => inspect_demos::run(arguments, cli.json),
         Verb::LearningCurve(arguments) => learning_curve::run(arguments, cli.json),
+        Verb::Compare(arguments) => compare::run(arguments, cli.json),
         Verb::CompareEstimators(arguments) => compare_estimators::run(arguments, cli.json),
         Verb::ComparePeriods(arguments) => compare_periods::run(arguments, cli.json),
         Verb::Condition(arguments) => condition::run(arguments, cli.json),

@@ -1,5 +1,6 @@
 //! Demonstrations: recordings of one kind of gesture, checked and cut to a common period.
 
+mod course;
 mod cycle;
 mod demodulation;
 mod finding;
@@ -26,6 +27,7 @@ mod window;
 
 use realfft::RealFftPlanner;
 
+pub(crate) use course::Course;
 pub use cycle::{CycleFit, CycleFits};
 pub use finding::{Finding, Flag};
 pub use inspection::{Inspection, Rhythm};

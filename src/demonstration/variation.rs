@@ -58,26 +58,30 @@ impl Variation {
 
 pub(super) fn measure(recording: &Recording, tempo: f64) -> Result<Variation> {
     let flat = recording.without_drift();
-    let windows = demodulation::demodulate(&flat, tempo);
-    let pairs = demodulation::a_cycle_apart(&windows);
+    of_windows(&flat, tempo, &demodulation::demodulate(&flat, tempo))
+}
+
+/// Of a recording without drift, from its windows at its tempo.
+pub(super) fn of_windows(flat: &Recording, tempo: f64, windows: &[Window]) -> Result<Variation> {
+    let pairs = demodulation::a_cycle_apart(windows);
     if pairs.len() < CENTRES / 2 {
         return Err(Error::new(
             ErrorKind::Infeasible,
             format!(
                 "{:.1} cycles of {tempo:.2} Hz in {:.2} s",
-                tempo * recording.span(),
-                recording.span()
+                tempo * flat.span(),
+                flat.span()
             ),
         )
         .expected("at least 2.5 cycles of a rhythm"));
     }
-    let dominant = demodulation::dominant(&windows);
+    let dominant = demodulation::dominant(windows);
     let mut envelope: Vec<f64> = windows.iter().map(|w| w.phasors[dominant].norm()).collect();
     let (mean, deviation) = mean_and_deviation(&envelope);
     envelope.sort_by(f64::total_cmp);
     let low = envelope[((envelope.len() - 1) as f64 * 0.05).round() as usize];
 
-    let phases = demodulation::unwrapped(&windows, dominant);
+    let phases = demodulation::unwrapped(windows, dominant);
     let frequencies: Vec<f64> = pairs
         .iter()
         .map(|(i, j)| tempo * (1.0 + (phases[*j] - phases[*i]) / std::f64::consts::TAU))
@@ -88,15 +92,15 @@ pub(super) fn measure(recording: &Recording, tempo: f64) -> Result<Variation> {
     let turns = (phases[last] - phases[0]) / std::f64::consts::TAU;
     let frequency = tempo * (1.0 + turns / between);
 
-    let joints = 0..recording.joints.len();
+    let joints = 0..flat.joints.len();
     Ok(Variation {
         dominant,
         frequency,
         envelope: deviation / mean,
         envelope_low: low / mean,
         tempo: tempo_deviation / frequency,
-        swing: joints.clone().map(|d| swing(&flat, &windows, d)).collect(),
-        lock: joints.map(|d| lock(&windows, d, dominant)).collect(),
+        swing: joints.clone().map(|d| swing(flat, windows, d)).collect(),
+        lock: joints.map(|d| lock(windows, d, dominant)).collect(),
     })
 }
 

@@ -45,6 +45,19 @@ impl Axis {
         })
     }
 
+    /// The axis of places 0, 1, .. with names.
+    pub(crate) fn of_names(names: &[String]) -> Self {
+        Self {
+            low: -0.5,
+            high: names.len() as f64 - 0.5,
+            ticks: names
+                .iter()
+                .enumerate()
+                .map(|(i, name)| (i as f64, name.clone()))
+                .collect(),
+        }
+    }
+
     /// Where `value` lies from the lower end (0) to the upper (1).
     pub(crate) fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)

@@ -104,6 +104,7 @@ pub fn bands(
             // Without any variation the data are fitted.
             y_range: (low < high).then_some((low, high)),
             series,
+            ..Plot::default()
         });
     }
     plot::draw(&plots, columns, size)

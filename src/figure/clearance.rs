@@ -141,8 +141,8 @@ fn panel_of(course: &ClearanceCourse<'_>, is_alone: bool) -> Result<Plot> {
         x_label: "time (s)".into(),
         y_label: "clearance (mm)".into(),
         x_range: Some((first.from, last.to)),
-        // With room for the legend.
-        y_range: None,
         series,
+        // With room for the legend.
+        ..Plot::default()
     })
 }

@@ -33,7 +33,11 @@ pub(crate) fn layout(plots: &[Plot], columns: usize, size: (u32, u32)) -> Result
         .map(|plot| {
             let marks = || plot.series.iter().map(|series| &series.mark);
             let points = || marks().flat_map(Mark::points);
-            let x = Axis::new(plot.x_range, points().map(|(x, _)| x), 0.0, x_count)?;
+            let x = if plot.names.is_empty() {
+                Axis::new(plot.x_range, points().map(|(x, _)| x), 0.0, x_count)?
+            } else {
+                Axis::of_names(&plot.names)
+            };
             let ys = points().map(|(_, y)| y);
             Ok((x, Axis::new(plot.y_range, ys, 0.05, y_count)?))
         })

@@ -3,6 +3,7 @@
 mod axis;
 mod bands;
 mod canvas;
+mod comparison;
 mod font;
 mod frame;
 mod image;
@@ -32,6 +33,7 @@ mod tube;
 pub use bands::bands;
 #[cfg(feature = "robot")]
 pub use clearance::{ClearanceCourse, clearance};
+pub use comparison::comparison;
 pub use image::{Color, Image, MAX_PIXELS, MAX_SIDE};
 pub use inspection::{inspection, inspection_svg};
 pub use plot::{Mark, Picture, Plot, Series, draw};

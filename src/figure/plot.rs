@@ -28,6 +28,8 @@ pub struct Plot {
     pub x_range: Option<(f64, f64)>,
     /// Ends of the ordinate in its units; `None` fits the data with a margin.
     pub y_range: Option<(f64, f64)>,
+    /// Names of the places 0, 1, .. of the abscissa, which takes them in place of numbers and ends half a place beyond; none for numbers.
+    pub names: Vec<String>,
     /// What is drawn, the first at the back.
     pub series: Vec<Series>,
 }

@@ -89,9 +89,8 @@ pub fn spectra(
             title: (*title).into(),
             x_label: "harmonic k (cycles in T)".into(),
             y_label: "|wₖ| (°)".into(),
-            x_range: None,
-            y_range: None,
             series,
+            ..Plot::default()
         });
     }
     for plot in &mut plots {
@@ -137,9 +136,8 @@ pub fn trajectories(
             title: (*title).into(),
             x_label: "time (s)".into(),
             y_label: "angle (°)".into(),
-            x_range: None,
-            y_range: None,
             series,
+            ..Plot::default()
         });
     }
     plot::draw(&plots, 1, size)

@@ -89,7 +89,7 @@ impl Covariance {
     }
 
     /// Coordinate i times `scales[i]`, and with what it does alone of standard deviation `alone[i]` more.
-    pub(super) fn rescaled(&self, scales: &[f64], alone: &DVector<f64>) -> Result<Self> {
+    pub(crate) fn rescaled(&self, scales: &[f64], alone: &DVector<f64>) -> Result<Self> {
         let mut factor = self.factor.clone();
         for (mut row, scale) in factor.row_iter_mut().zip(scales) {
             row *= *scale;

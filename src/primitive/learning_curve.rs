@@ -16,12 +16,12 @@ const CERTAIN: f64 = 2.0;
 /// The mean of values and its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
-pub struct Estimate {
+pub struct SampleMean {
     pub mean: f64,
     pub error: f64,
 }
 
-impl Estimate {
+impl SampleMean {
     fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -44,7 +44,7 @@ pub struct CurvePoint {
     /// How many were learned from.
     pub demonstrations: usize,
     /// Of left-out ones \[nats a dimension\]; the error is over the left-out demonstrations.
-    pub density: Estimate,
+    pub density: SampleMean,
 }
 
 /// Held-out conditional density against the number of demonstrations.
@@ -55,7 +55,7 @@ pub struct CurvePoint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LearningCurve {
     points: Vec<CurvePoint>,
-    last_doubling: Option<Estimate>,
+    last_doubling: Option<SampleMean>,
 }
 
 impl LearningCurve {
@@ -98,14 +98,14 @@ impl LearningCurve {
             .position(|size| *size == (count - 1).div_ceil(2));
         let last_doubling = half.filter(|half| *half > 0).map(|half| {
             let pairs = scores[0].iter().zip(&scores[half]);
-            Estimate::of(&pairs.map(|(all, half)| all - half).collect::<Vec<_>>())
+            SampleMean::of(&pairs.map(|(all, half)| all - half).collect::<Vec<_>>())
         });
         let points = sizes.iter().zip(&scores).rev();
         Ok(Self {
             points: points
                 .map(|(size, scores)| CurvePoint {
                     demonstrations: *size,
-                    density: Estimate::of(scores),
+                    density: SampleMean::of(scores),
                 })
                 .collect(),
             last_doubling,
@@ -118,13 +118,13 @@ impl LearningCurve {
     }
 
     /// What all but one demonstration gave over half as many, left-out demonstration by left-out demonstration; none of fewer than six.
-    pub fn last_doubling(&self) -> Option<Estimate> {
+    pub fn last_doubling(&self) -> Option<SampleMean> {
         self.last_doubling
     }
 
     /// What twice as many would give: half of what the last doubling gave, if the curve falls short of its end by a share of 1/M, as estimates of spread do.
-    pub fn next_doubling(&self) -> Option<Estimate> {
-        self.last_doubling.map(|last| Estimate {
+    pub fn next_doubling(&self) -> Option<SampleMean> {
+        self.last_doubling.map(|last| SampleMean {
             mean: last.mean / 2.0,
             error: last.error / 2.0,
         })
@@ -139,7 +139,7 @@ impl LearningCurve {
         examples: &[Example],
         form: &ChartForm,
         estimator: Estimator,
-    ) -> Result<Vec<Estimate>> {
+    ) -> Result<Vec<SampleMean>> {
         let count = examples.len();
         if count < FEWEST + 2 {
             return Err(
@@ -169,7 +169,7 @@ impl LearningCurve {
                 }
             }
         }
-        Ok(gains.iter().map(|gains| Estimate::of(gains)).collect())
+        Ok(gains.iter().map(|gains| SampleMean::of(gains)).collect())
     }
 }
 

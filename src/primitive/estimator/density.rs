@@ -8,7 +8,7 @@ use crate::vectors::dot;
 /// N(0, f F F^T + t T), T what the blocks and independent parts of a covariance make, for many f and t: Woodbury's identity and the matrix determinant
 /// lemma about T, whose inverse square root W is explicit but for what is left of a Kronecker product when some coordinates take no part.
 /// Coordinates in which T has no variance are left out.
-pub(in crate::primitive) struct Density {
+pub(crate) struct Density {
     whitening: Vec<Whitening>,
     logarithm: f64,
     /// How many coordinates there are.
@@ -57,24 +57,18 @@ impl Whitening {
 impl Density {
     pub fn new(covariance: &Covariance) -> Self {
         let mut whitening = Vec::new();
-        let independent = covariance.independent();
-        let mut in_block = vec![false; covariance.dimension()];
         for block in covariance.blocks() {
-            let active: Vec<usize> = block
+            let active = block
                 .deviations()
                 .iter()
                 .enumerate()
                 .filter(|(_, s)| **s > 0.0)
                 .map(|(i, _)| block.start() + i)
                 .collect();
-            active.iter().for_each(|i| in_block[*i] = true);
-            whitening.extend(Whitening::dense(active, |i, j| {
-                let alone = if i == j { independent[i].powi(2) } else { 0.0 };
-                block.covariance(i, j) + alone
-            }));
+            whitening.extend(Whitening::dense(active, |i, j| block.covariance(i, j)));
         }
-        for (i, s) in independent.iter().enumerate() {
-            if *s > 0.0 && !in_block[i] {
+        for (i, s) in covariance.independent().iter().enumerate() {
+            if *s > 0.0 {
                 whitening.extend(Whitening::dense(vec![i], |_, _| s * s));
             }
         }

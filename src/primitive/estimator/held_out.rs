@@ -188,7 +188,7 @@ impl HeldOut {
 }
 
 /// 0.05, 0.10, .., 1.
-fn weights() -> impl Iterator<Item = f64> {
+pub(crate) fn weights() -> impl Iterator<Item = f64> {
     (1..=STEPS).map(|i| i as f64 / STEPS as f64)
 }
 

@@ -9,8 +9,10 @@ use std::str::FromStr;
 
 use nalgebra::{DMatrix, DVector};
 
-pub(super) use density::Density;
+pub(crate) use density::Density;
 pub use held_out::HeldOut;
+pub(crate) use held_out::weights;
+pub(crate) use target::block;
 
 use super::covariance::Covariance;
 use super::gaussian::Gaussian;

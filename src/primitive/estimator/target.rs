@@ -48,54 +48,68 @@ pub(super) fn blocks(
     count: f64,
     scales: &[f64],
 ) -> Result<Vec<Kronecker>> {
+    kinds(chart)
+        .into_iter()
+        .filter_map(|kind| {
+            let size = (kind.groups, kind.length);
+            block(directions, count, scales, kind.start, size)
+        })
+        .collect()
+}
+
+/// The block of `groups` x `length` coordinates from `start` on, group by group; none where no coordinate takes part.
+pub(crate) fn block(
+    directions: &DMatrix<f64>,
+    count: f64,
+    scales: &[f64],
+    start: usize,
+    (groups, length): (usize, usize),
+) -> Option<Result<Kronecker>> {
     let rows = directions.nrows();
     let column = |i: usize| &directions.as_slice()[i * rows..][..rows];
     let is_active = |i: usize| dot(column(i), column(i)) > 0.0;
-    kinds(chart)
-        .into_iter()
-        .filter(|kind| (kind.start..kind.start + kind.groups * kind.length).any(is_active))
-        .map(|kind| {
-            let at = |d: usize, k: usize| kind.start + d * kind.length + k;
-            let pooled = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
-                let (mut sum, mut number) = (0.0, 0);
-                for (i, j) in pairs.filter(|(i, j)| is_active(*i) && is_active(*j)) {
-                    sum += dot(column(i), column(j));
-                    number += 1;
-                }
-                if number > 0 {
-                    sum / f64::from(number)
-                } else {
-                    0.0
-                }
-            };
-            let mut correlation = DMatrix::identity(kind.groups, kind.groups);
-            for d in 0..kind.groups {
-                for e in 0..d {
-                    let pooled = pooled(&mut (0..kind.length).map(|k| (at(d, k), at(e, k))));
-                    correlation[(d, e)] = pooled;
-                    correlation[(e, d)] = pooled;
-                }
-            }
-            // As many demonstrations of the joints' correlation as there are harmonics that tell of it.
-            let active = (kind.start..kind.start + kind.groups * kind.length)
-                .filter(|i| is_active(*i))
-                .count();
-            let samples = count * (active as f64 / kind.groups as f64).max(1.0);
-            let weight = super::oas(&correlation, kind.groups as f64, samples);
-            let diagonal = DMatrix::identity(kind.groups, kind.groups);
-            correlation = correlation * (1.0 - weight) + diagonal * weight;
-            let neighbours = &mut (0..kind.groups)
-                .flat_map(|d| (1..kind.length).map(move |k| (d, k)))
-                .map(|(d, k)| (at(d, k - 1), at(d, k)));
-            let decay = pooled(neighbours).clamp(-LARGEST_DECAY, LARGEST_DECAY);
-            let scales = &scales[kind.start..][..kind.groups * kind.length];
-            let active = scales
-                .iter()
-                .enumerate()
-                .map(|(i, s)| if is_active(kind.start + i) { *s } else { 0.0 });
-            Kronecker::new(kind.start, positive(correlation), decay, active.collect())
-        })
-        .collect()
+    let all = start..start + groups * length;
+    let active = all.clone().filter(|i| is_active(*i)).count();
+    if active == 0 {
+        return None;
+    }
+    let at = |d: usize, k: usize| start + d * length + k;
+    let pooled = |pairs: &mut dyn Iterator<Item = (usize, usize)>| {
+        let (mut sum, mut number) = (0.0, 0);
+        for (i, j) in pairs.filter(|(i, j)| is_active(*i) && is_active(*j)) {
+            sum += dot(column(i), column(j));
+            number += 1;
+        }
+        if number > 0 {
+            sum / f64::from(number)
+        } else {
+            0.0
+        }
+    };
+    let mut correlation = DMatrix::identity(groups, groups);
+    for d in 0..groups {
+        for e in 0..d {
+            let pooled = pooled(&mut (0..length).map(|k| (at(d, k), at(e, k))));
+            correlation[(d, e)] = pooled;
+            correlation[(e, d)] = pooled;
+        }
+    }
+    // As many demonstrations of the joints' correlation as there are harmonics that tell of it.
+    let samples = count * (active as f64 / groups as f64).max(1.0);
+    let weight = super::oas(&correlation, groups as f64, samples);
+    let diagonal = DMatrix::identity(groups, groups);
+    correlation = correlation * (1.0 - weight) + diagonal * weight;
+    let neighbours = &mut (0..groups)
+        .flat_map(|d| (1..length).map(move |k| (d, k)))
+        .map(|(d, k)| (at(d, k - 1), at(d, k)));
+    let decay = pooled(neighbours).clamp(-LARGEST_DECAY, LARGEST_DECAY);
+    let deviations = all.map(|i| if is_active(i) { scales[i] } else { 0.0 });
+    Some(Kronecker::new(
+        start,
+        positive(correlation),
+        decay,
+        deviations.collect(),
+    ))
 }
 
 /// The correlation matrix with its small and negative eigenvalues raised: pooling over pairs of which some take no part may leave such.

@@ -11,7 +11,7 @@ use super::Covariance;
 use crate::error::{Error, ErrorKind, Result};
 use crate::normal;
 use crate::vectors::dot;
-pub(super) use observed::Contradiction;
+pub(crate) use observed::Contradiction;
 use observed::{Observed, norm};
 
 /// a^T x = b over the n coordinates of a Gaussian, exactly or with a standard deviation.

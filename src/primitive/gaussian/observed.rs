@@ -47,7 +47,7 @@ impl Gaussian {
     ///
     /// # Errors
     /// The index within `observations`, and what to say of it, when a value contradicts what is already certain.
-    pub(in crate::primitive) fn condition(
+    pub(crate) fn condition(
         &self,
         observations: &[LinearObservation],
     ) -> std::result::Result<Self, Contradiction> {
@@ -229,7 +229,7 @@ impl Pivot {
 
 /// An observation that the Gaussian rules out.
 #[derive(Debug)]
-pub(in crate::primitive) struct Contradiction {
+pub(crate) struct Contradiction {
     /// Which one.
     pub observation: usize,
     /// The only value that is left for it.
