@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         Some(0) => return Err(Error::new(ErrorKind::Setting, "0 jobs").expected("at least 1")),
         jobs => jobs.unwrap_or(cores),
     };
-    let recordings = arguments.recordings.uncut()?;
+    let recordings = arguments.recordings.gestures()?;
     let options = ComparisonOptions {
         draws: arguments.draws,
         seed: arguments.draw_seed,

@@ -123,7 +123,7 @@ impl Arguments {
             }
             Period::Cycle => {
                 let harmonics = self.harmonics.unwrap_or(learn_cycle::HARMONICS);
-                let fits = CycleFits::new(&self.recordings.uncut()?, harmonics)?;
+                let fits = CycleFits::new(&self.recordings.gestures()?, harmonics)?;
                 let names = fits.fits().iter().map(|fit| fit.name.clone()).collect();
                 let examples = fits.fits().iter().map(Example::from).collect();
                 Ok((names, examples, options.form_of_cycles(&fits, 1)?))

@@ -123,6 +123,7 @@ fn overview(inspections: &[Inspection]) -> Vec<Plot> {
             y_label: (*unit).into(),
             x_range: Some((0.5, count + 0.5)),
             y_range: (highest > 0.0).then_some((0.0, 1.1 * highest)),
+            names: Vec::new(),
             series,
         }
     };
@@ -221,6 +222,7 @@ fn panel(
         y_label: "°".into(),
         x_range: Some(ends),
         y_range: Some((low, high)),
+        names: Vec::new(),
         series,
     }
 }
