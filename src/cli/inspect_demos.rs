@@ -111,7 +111,7 @@ fn told(inspection: &Inspection, recording: &Recording) -> Value {
             "cycles": rhythm.part.cycles,
             "frequency_hz": rhythm.variation.frequency,
             "dominant_joint": recording.joints().name(rhythm.variation.dominant),
-            "swing_rad": rhythm.variation.swing.iter().copied().collect::<Vec<_>>(),
+            "swing_rad": rhythm.variation.swing,
             "posture_rad": rhythm.posture.as_slice(),
             "amplitude_varies_by": rhythm.variation.envelope,
             "tempo_varies_by": rhythm.variation.tempo,

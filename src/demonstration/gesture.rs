@@ -62,7 +62,7 @@ impl Recording {
 /// Whether from `start` to `end` is more than a cycle or two that the rhythm of `part` does not hold quite so well.
 fn is_something_else(seen: &Recording, part: &RhythmicPart, start: f64, end: f64) -> bool {
     let cycles = (end - start) * part.frequency;
-    if cycles > MOST_CYCLES || cycles < FEWEST_CYCLES {
+    if !(FEWEST_CYCLES..=MOST_CYCLES).contains(&cycles) {
         return cycles > MOST_CYCLES;
     }
     let at = |t: f64| seen.times.partition_point(|u| *u < t);

@@ -23,6 +23,9 @@ const NEEDED: usize = 4;
 /// Upper arm, forearm and hand as shares of the arm, which is 1 long.
 const LENGTHS: [f64; 3] = [0.41, 0.35, 0.24];
 
+/// By this factor; far from both singularities the two paths are about as long.
+const CLEARLY: f64 = 0.8;
+
 /// The columns of a person's arm, where a recording has them.
 fn columns(joints: &Joints) -> Option<[Option<usize>; 7]> {
     let columns = JOINTS.map(|name| joints.iter().position(|joint| joint == name));
@@ -38,8 +41,8 @@ pub(super) struct Arm {
     pub second: usize,
 }
 
-/// The arm, if the joints are a person's. Of the two orders of shoulder angles in use it is the one by which the fingertips
-/// travel less: jumps near the singularity of the other make a path longer.
+/// The arm, if the joints are a person's. Its shoulder turns by flexion, abduction, rotation, unless by the other order in use,
+/// abduction first, the fingertips travel clearly less: jumps near the singularity of that order make the first path longer.
 pub(super) fn arm(recording: &Recording) -> Option<Arm> {
     let columns = columns(&recording.joints)?;
     let travelled = |path: &DMatrix<f64>| -> f64 {
@@ -59,7 +62,7 @@ pub(super) fn arm(recording: &Recording) -> Option<Arm> {
     };
     let (flexed, abducted) = (along(false), along(true));
     let [flexion, abduction] = [columns[0]?, columns[1]?];
-    Some(if travelled(&abducted) < travelled(&flexed) {
+    Some(if travelled(&abducted) < CLEARLY * travelled(&flexed) {
         Arm {
             path: abducted,
             second: flexion,

@@ -78,6 +78,9 @@ fn page(
     Ok((plots, columns, size))
 }
 
+/// What is shown of each recording: its title and unit, and its value.
+type Measure<'a> = (&'a str, &'a str, &'a dyn Fn(&Rhythm) -> f64);
+
 /// Frequency, swing, posture by number.
 fn overview(inspections: &[Inspection]) -> Vec<Plot> {
     let rhythms: Vec<(usize, &Rhythm, bool)> = inspections
@@ -93,13 +96,13 @@ fn overview(inspections: &[Inspection]) -> Vec<Plot> {
         let far = r.posture.iter().zip(&posture).map(|(a, b)| (a - b).abs());
         far.fold(0.0, f64::max).to_degrees()
     };
-    let measures: [(&str, &str, &dyn Fn(&Rhythm) -> f64); 3] = [
+    let measures: [Measure; 3] = [
         ("dominant frequency", "Hz", &|r| r.variation.frequency),
         ("largest swing", "°", &|r| r.swing().to_degrees()),
         ("farthest joint from the median posture", "°", &away),
     ];
     let count = inspections.len() as f64;
-    let plot = |(title, unit, measure): &(&str, &str, &dyn Fn(&Rhythm) -> f64)| {
+    let plot = |(title, unit, measure): &Measure| {
         let values: Vec<f64> = rhythms.iter().map(|(_, r, _)| measure(r)).collect();
         let median = middle(values.clone());
         let mut series = vec![line(
