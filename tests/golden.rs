@@ -11,7 +11,7 @@
 use std::path::Path;
 
 use rand::distr::Distribution;
-use undulate::{FourierMovementPrimitive, Wave, stream};
+use undulate::{FourierMovementPrimitive, Mixture, Wave, stream};
 
 /// `model_{name}.json` and the wave that sample 2 of seed 5 is, `wave_{name}.json`.
 fn draws_the_wave_it_always_drew(name: &str) {
@@ -43,6 +43,24 @@ fn version_2_draws_the_wave_it_always_drew() {
 #[test]
 fn cycles_of_version_2_draw_the_wave_they_always_drew() {
     draws_the_wave_it_always_drew("v2_cycles");
+}
+
+/// A kind by its weight, then its wave; conditioned, so that weights were evidence once.
+#[test]
+fn a_mixture_of_version_1_draws_the_waves_it_always_drew() {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let model = std::fs::read_to_string(fixtures.join("mixture_v1.json")).unwrap();
+    let mixture = Mixture::from_json(&model).unwrap();
+    // One of each kind.
+    for (name, index) in [("a", 0), ("b", 2)] {
+        let wave = mixture.sample(&mut stream(5, index));
+        let golden = fixtures.join(format!("wave_mixture_v1_{name}.json"));
+        if std::env::var_os("UNDULATE_REGENERATE").is_some() {
+            std::fs::write(&golden, wave.to_json()).unwrap();
+        }
+        assert_eq!(wave.to_json(), std::fs::read_to_string(golden).unwrap());
+    }
+    assert_eq!(mixture.to_json(), model);
 }
 
 #[cfg(feature = "robot")]

@@ -84,6 +84,9 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         .map(|o| observation_row(&primitive, &conditioned, o))
         .collect::<Result<Vec<_>>>()?;
     output::report(json, &value, || {
+        if given.is_empty() {
+            return format!("wrote {}", arguments.output.display());
+        }
         format!(
             "{}\n{distance:.1} standard deviations from the demonstrations; {} of {} independent directions of variation are left\nwrote {}",
             output::table(&["condition", "", "value", "median before", "after"], &rows),
