@@ -146,3 +146,33 @@ fn interval(place: usize, [value, lower, upper]: [f64; 3], color: Color) -> Vec<
         line(vec![(at - HALF, value), (at + HALF, value)], 3),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comparison::ComparisonOptions;
+    use crate::demonstration::synthetic;
+
+    #[test]
+    fn every_model_has_its_place_in_every_panel() {
+        let options = ComparisonOptions {
+            draws: 3,
+            folds: Some(3),
+            threads: 2,
+            ..ComparisonOptions::default()
+        };
+        let demonstrations = synthetic(0).unwrap();
+        let compared = Comparison::new(demonstrations.recordings(), &options, || ()).unwrap();
+        let picture = comparison(&compared, (1440, 1160)).unwrap();
+        let told = |text: &str| picture.svg.matches(&format!(">\n{text}\n</text>")).count();
+        for distance in Distance::ALL {
+            assert_eq!(told(&format!("energy distance of {}", distance.name())), 1);
+        }
+        let panels = told(compared.models[0].kind.short_name());
+        assert!(panels >= 2 * Distance::ALL.len(), "{panels}");
+        for model in &compared.models {
+            assert_eq!(told(model.kind.short_name()), panels);
+        }
+        std::fs::write("/tmp/t/c.png", &picture.png).unwrap();
+    }
+}
