@@ -60,6 +60,8 @@ fn the_likelihood_rises_and_probabilities_sum_to_one() {
         for row in found.responsibilities().row_iter() {
             assert!((row.sum() - 1.0).abs() < 1e-12);
         }
+        let kinds = found.responsibilities().column_iter();
+        assert!(kinds.map(|kind| kind.sum()).all(|sum| sum >= 2.5));
     }
 }
 
@@ -121,6 +123,12 @@ fn a_kind_that_collapses_is_refused() {
         };
         Grouping::find(&examples, &form, &options)
     };
+    // Hardly of a kind, all of them: as many as you like are none.
+    let faint = nalgebra::DMatrix::from_fn(8, 2, |_, c| [1.0 - 1e-6, 1e-6][c]);
+    let error = Grouping::refine(&examples, &form, faint)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("left with 0.0"), "{error}");
     // Two of them are far from all others, so every start leaves them alone.
     let error = of(2).unwrap_err().to_string();
     assert!(error.contains("one of 2 kinds is left with 2.0"), "{error}");
