@@ -70,9 +70,9 @@ fn a_wave_shrinks_to_the_most_typical_that_fails() {
     let rank = primitive.gaussian().rank() as f64;
     assert!(wave.mahalanobis() > 0.1 && wave.mahalanobis() < 0.8 * rank.sqrt());
     let text = format!("{wave:?}");
-    let told = format!("mahalanobis: {:?}", wave.mahalanobis());
+    let told = format!("Mahalanobis distance {:.4}", wave.mahalanobis());
     assert!(
-        text.starts_with("DrawnWave") && text.contains(&told),
+        text.starts_with("a wave of period") && text.contains(&told),
         "{text}"
     );
 }

@@ -90,7 +90,19 @@ fn wrong_arguments_of_assertions_are_named() {
     names("covariance", || {
         drop(covariance(&few, &DMatrix::zeros(1, 1), 0.01))
     });
+    // Half of it would not be looked at.
+    names("covariance", || {
+        let skew = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.0, 1.0]);
+        drop(covariance(&vec![dvector![0.0, 1.0]; 99], &skew, 0.01))
+    });
+    names("mean", || {
+        let none = dvector![f64::NAN];
+        drop(mean(&vec![dvector![0.0]; 99], &none, 0.01))
+    });
     names("mean", || drop(bounded_mean(&two, (0.0, 1.0), 1.0, 0.01)));
+    names("support", || {
+        drop(bounded_mean(&two, (1.0, 0.0), 0.5, 0.01))
+    });
     names("distribution", || {
         drop(distribution(&[2.0; 100], |x| x, 0.01))
     });

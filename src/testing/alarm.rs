@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Seed;
 
-/// Why samples are not believed to be what they should be. Its text says all of it.
+/// Why samples are not believed to be what they should be. Its text says all of it, also where `unwrap` prints it.
 ///
 /// ```
 /// use undulate::testing::{Seed, refute_above};
@@ -16,7 +16,7 @@ use super::Seed;
 ///      with 99 % power: a probability of 0.0832"
 /// );
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Alarm {
     /// What is off, such as `mean` or `variance`.
     pub what: &'static str,
@@ -44,7 +44,7 @@ pub struct Power {
 impl Power {
     /// Nothing has to be estimated, so every violation is seen.
     pub(super) const CERTAIN: Self = Self {
-        of: "whatever is out of bounds, by more than",
+        of: "whatever is out of bounds",
         smallest: 0.0,
     };
 }
@@ -94,17 +94,38 @@ impl Alarm {
 
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (low, high) = self.bounds;
+        let [low, high] = [self.bounds.0, self.bounds.1].map(number);
         write!(
             f,
-            "{}: {:.6} is outside {low:.6} .. {high:.6} with N = {}",
-            self.what, self.statistic, self.samples
+            "{}: {} is outside {low} .. {high} with N = {}",
+            self.what,
+            number(self.statistic),
+            self.samples
         )?;
         if let Some(Seed(seed)) = self.seed {
             write!(f, ", seed {seed}")?;
         }
         let Power { of, smallest } = self.power;
-        write!(f, "; with 99 % power: {of} {smallest:.4}")
+        write!(f, "; with 99 % power: {of}")?;
+        if self.power == Power::CERTAIN {
+            return Ok(());
+        }
+        write!(f, " {smallest:.4}")
+    }
+}
+
+impl fmt::Debug for Alarm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Six digits behind the point, where they are not three hundred before it.
+fn number(x: f64) -> String {
+    if x.abs() < 1e9 {
+        format!("{x:.6}")
+    } else {
+        format!("{x:e}")
     }
 }
 

@@ -124,7 +124,10 @@ fn average(angles: &[f64], part: impl Fn(f64) -> f64) -> f64 {
 #[track_caller]
 fn require(angles: &[f64], mean: f64, resultant: f64, false_alarm: f64) {
     require_probability("false_alarm", false_alarm);
-    require_probability("resultant", resultant);
+    assert!(
+        resultant > 0.0 && resultant < 1.0,
+        "resultant = {resultant}: a resultant length between 0 and 1, without the ends"
+    );
     assert!(mean.is_finite(), "mean = {mean}: a finite angle");
     require_samples(angles.len(), 1);
 }

@@ -7,6 +7,9 @@ use super::argument::{require_probability, require_samples, require_telling};
 use super::law::{MISS, chi_squared, chi_squared_below};
 use super::mean::moments;
 
+/// A matrix is symmetric to this share of its largest entry.
+const SYMMETRIC: f64 = 1e-9;
+
 /// A test of a variance that would not see four times as much sees nothing.
 const LARGEST_RATIO: f64 = 4.0;
 
@@ -36,7 +39,7 @@ const LARGEST_RATIO: f64 = 4.0;
 /// The first direction whose variance is out of bounds; for true samples with probability at most `false_alarm`.
 ///
 /// # Panics
-/// When `false_alarm` is not within 0..1, `covariance` is not positive definite (for one of less rank there is
+/// When `false_alarm` is not within 0..1, `covariance` is not symmetric and positive definite (for one of less rank there is
 /// [`gaussian`](super::gaussian)), `samples` are of another dimension or so few that a variance four times too large could pass
 /// unnoticed.
 pub fn covariance(
@@ -50,6 +53,11 @@ pub fn covariance(
         .then(|| covariance.clone().cholesky())
         .flatten()
         .expect("covariance: a positive definite matrix");
+    let skew = (covariance - covariance.transpose()).amax();
+    assert!(
+        skew <= SYMMETRIC * covariance.amax(),
+        "covariance: a symmetric matrix, and not one that is off by {skew:e}"
+    );
     assert!(
         samples.iter().all(|x| x.len() == dimension),
         "samples: of another dimension than the covariance, which has {dimension}"

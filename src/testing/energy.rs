@@ -78,17 +78,21 @@ pub fn energy(
     let mut deal: Vec<usize> = (0..samples).collect();
     let observed = distances.energy(&deal) * (1.0 - ROUNDING);
     let mut rng = seed.rng();
-    let mut as_far = 0;
+    let mut dealt = Vec::with_capacity(permutations);
     for _ in 0..permutations {
         for i in 0..one.len() {
             deal.swap(i, rng.random_range(i..samples));
         }
-        as_far += usize::from(distances.energy(&deal) >= observed);
+        dealt.push(distances.energy(&deal));
     }
-    let p = (1 + as_far) as f64 / (1 + permutations) as f64;
-    // The level itself is an alarm.
-    let bounds = (false_alarm.next_up(), 1.0);
-    Alarm::unless_within("p of the energy distance", p, bounds, samples, || Power {
+    // How many deals may be as far: p = (1 + as far) / (1 + permutations) at the level is an alarm.
+    let is_rare = |as_far: &usize| (1 + as_far) as f64 / (1 + permutations) as f64 <= false_alarm;
+    let rare = (0..permutations).take_while(is_rare).count();
+    dealt.sort_unstable_by(|a, b| b.total_cmp(a));
+    // As far as the last of these is not farther. Rounding may leave less than nothing.
+    let most = rare.checked_sub(1).map_or(f64::INFINITY, |m| dealt[m]);
+    let (observed, bounds) = (observed.max(0.0), (0.0, most.max(0.0)));
+    Alarm::unless_within("energy distance", observed, bounds, samples, || Power {
         of: "an energy distance of",
         smallest: distances.caught(permutations, false_alarm),
     })

@@ -84,7 +84,7 @@ pub fn fails_rarely(
 }
 
 /// Why a primitive's waves are not believed to fail so rarely.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Failures {
     /// What is not demonstrated.
     pub alarm: Alarm,
@@ -94,11 +94,17 @@ pub struct Failures {
 
 impl fmt::Display for Failures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.alarm.fmt(f)?;
+        fmt::Display::fmt(&self.alarm, f)?;
         match &self.first {
             Some((draw, why)) => write!(f, "; draw {draw} fails first: {why}"),
             None => Ok(()),
         }
+    }
+}
+
+impl fmt::Debug for Failures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -13,7 +13,7 @@ const FARTHEST_MEAN: f64 = 2.0;
 /// the mean and the covariance (with 1/(N-1)) of the samples: T^2 (N - d) / (d (N - 1)) is F of (d, N - d) degrees of freedom
 /// (Hotelling, Annals of Mathematical Statistics 2, 1931). Exact at any N > d; in one dimension it is Student's test.
 ///
-/// What it catches is a Mahalanobis distance of the means, by the noncentral F.
+/// What is told is sqrt(T^2 / N), the Mahalanobis distance of the means, and so is what it catches, by the noncentral F.
 ///
 /// ```
 /// use nalgebra::{DVector, dvector};
@@ -33,11 +33,12 @@ const FARTHEST_MEAN: f64 = 2.0;
 /// When T^2 is larger than it is with probability `false_alarm`, or the samples do not vary in every direction.
 ///
 /// # Panics
-/// When `false_alarm` is not within 0..1, `samples` are of another dimension than `mean` or not more than that, or so few that two
+/// When `false_alarm` is not within 0..1, `mean` is not finite, `samples` are of another dimension than it or not more than that, or so few that two
 /// standard deviations could pass unnoticed.
 pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
     let dimension = mean.len();
+    assert!(mean.iter().all(|x| x.is_finite()), "mean: finite numbers");
     assert!(
         dimension > 0 && samples.iter().all(|x| x.len() == dimension),
         "samples: of another dimension than the mean, which has {dimension}"
@@ -56,8 +57,9 @@ pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> 
     let deviation = average - mean;
     let statistic = (scatter / (n - 1.0))
         .cholesky()
-        .map_or(f64::NAN, |s| n * deviation.dot(&s.solve(&deviation)));
-    Alarm::unless_within("mean", statistic, (0.0, most), samples.len(), || Power {
+        .map_or(f64::NAN, |s| deviation.dot(&s.solve(&deviation)).sqrt());
+    let bounds = (0.0, (most / n).sqrt());
+    Alarm::unless_within("mean", statistic, bounds, samples.len(), || Power {
         of: "a mean that is off, in standard deviations (Mahalanobis), by",
         smallest: (fisher_noncentrality(d, n - d, f) / n).sqrt(),
     })
@@ -104,6 +106,10 @@ pub fn bounded_mean(
 ) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
     let (low, high) = support;
+    assert!(
+        low < high,
+        "support = {low} .. {high}: a lower end and a higher one"
+    );
     assert!(
         low.is_finite() && high.is_finite() && low < mean && mean < high,
         "mean = {mean}: inside the support, which is {low} .. {high}"

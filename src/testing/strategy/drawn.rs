@@ -13,7 +13,8 @@ use crate::fourier::Wave;
 use crate::primitive::FourierMovementPrimitive;
 
 /// Waves as a primitive draws them. They shrink towards its mean: first the latent vector z as a whole, by halving, then its
-/// entries one by one, so that the counterexample is the most typical wave that still fails; then to fewest joints that move and
+/// entries to 0, one by one, then what is left as a whole again. So the counterexample is the most typical wave that fails along its own direction, with the
+/// fewest entries that it takes: towards where the property fails soonest a search by draws cannot look. Then to fewest joints that move and
 /// fewest harmonics, by silencing one after the other. (A wave with silenced parts is no draw any more: where a joint must have the amplitude
 /// that a condition says, silence is another failure. [`DrawnWave::is_drawn`] tells.)
 ///
@@ -49,7 +50,7 @@ pub fn waves_of(primitive: &FourierMovementPrimitive) -> impl Strategy<Value = D
     latent.prop_map(move |draw| DrawnWave::of(primitive.clone(), draw))
 }
 
-/// A [`Wave`] that a primitive has drawn, and how typical it is. It prints its Mahalanobis distance.
+/// A [`Wave`] that a primitive has drawn, and how typical it is. It prints its Mahalanobis distance, where each joint is, and what moves it.
 #[derive(Clone)]
 pub struct DrawnWave {
     primitive: Arc<FourierMovementPrimitive>,
@@ -130,13 +131,31 @@ impl Deref for DrawnWave {
 
 impl fmt::Debug for DrawnWave {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("DrawnWave")
-            .field("mahalanobis", &self.mahalanobis())
-            .field("is_drawn", &self.is_drawn())
-            .field("moving", &self.moving())
-            .field("harmonics", &self.harmonics_heard())
-            .field("wave", &self.wave)
-            .finish()
+        let before = if self.is_drawn() {
+            ""
+        } else {
+            " before parts were silenced"
+        };
+        write!(
+            f,
+            "a wave of period {} s, Mahalanobis distance {:.4}{before}",
+            self.period(),
+            self.mahalanobis()
+        )?;
+        for (d, joint) in self.joints().iter().enumerate() {
+            write!(f, "\n  {joint}: {:.4}", self.offsets()[d])?;
+            let row = self.weights().row(d);
+            let heard = row.iter().enumerate().filter(|(_, w)| **w != Complex::ZERO);
+            for (n, (k, w)) in heard.enumerate() {
+                let before = if n == 0 {
+                    "; modulus and phase of harmonics"
+                } else {
+                    ","
+                };
+                write!(f, "{before} {}: {:.3e} {:.3}", k + 1, w.norm(), w.arg())?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) struct Draw {
 /// Standard normal vectors of so many entries, with so many parts, none of them silent. They shrink in three stages:
 ///
 /// 1. the whole vector towards 0, by halving: the least length at which the case still fails, along the direction that was drawn;
-/// 2. entries to 0, by halves, quarters and so on down to single ones;
+/// 2. entries to 0, by halves, quarters and so on down to single ones, and what is left of the vector as a whole again;
 /// 3. parts to silence, one after the other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Latent {
@@ -50,6 +50,8 @@ pub(super) struct LatentTree {
     /// The block of entries that comes next, of a size that is halved down to 0.
     block: usize,
     size: usize,
+    /// Whether the scale is sought for the second time.
+    is_last: bool,
     part: usize,
 }
 
@@ -68,6 +70,7 @@ impl LatentTree {
             fails: 1.0,
             scale: 1.0,
             block: 0,
+            is_last: false,
             part: 0,
         }
     }
@@ -99,6 +102,13 @@ impl LatentTree {
                 entries.fill(0.0);
                 return true;
             }
+        }
+        // What is left points elsewhere: it may be nearer along that.
+        if self.fails > 0.0 && self.drawn != self.kept.z && !self.is_last {
+            self.is_last = true;
+            self.drawn.clone_from(&self.kept.z);
+            (self.passes, self.fails) = (0.0, 1.0);
+            return self.advance();
         }
         while self.part < self.kept.silent.len() {
             self.part += 1;
