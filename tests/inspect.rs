@@ -311,13 +311,22 @@ fn slow_drift_goes_and_the_rhythm_stays() {
 
 #[test]
 fn the_odd_one_of_a_set_is_named() {
-    let mut recordings = synthetic(0).unwrap().recordings()[..6].to_vec();
-    let clean = Inspection::of_set(&recordings).unwrap();
-    assert!(
-        clean.iter().all(|i| !i.is_spoilt()),
-        "{:?}",
-        clean.iter().map(|i| &i.findings).collect::<Vec<_>>()
-    );
+    // The slowest wave of each of six demonstrators.
+    let slowest = |seed| synthetic(seed).unwrap().recordings()[0].clone();
+    let mut recordings: Vec<Recording> = (0..6).map(slowest).collect();
+    // Some have the shoulder near its singularity, which makes none odd.
+    let odd_flags = |recordings: &[Recording]| -> Vec<Vec<Flag>> {
+        let odd = [Flag::OddFrequency, Flag::OddSize, Flag::OddPosture];
+        let inspections = Inspection::of_set(recordings).unwrap();
+        let flags = inspections.iter().map(|inspection| {
+            let mut flags: Vec<Flag> = inspection.findings.iter().map(|f| f.flag).collect();
+            flags.retain(|f| odd.contains(f));
+            flags.dedup();
+            flags
+        });
+        flags.collect()
+    };
+    assert!(odd_flags(&recordings).iter().all(Vec::is_empty));
     let odd = &recordings[3];
     let mut positions = odd.positions().clone();
     for mut column in positions.column_iter_mut() {
@@ -327,12 +336,13 @@ fn the_odd_one_of_a_set_is_named() {
     positions.column_mut(0).add_scalar_mut(1.0);
     let times = odd.times().iter().map(|t| 2.0 * t).collect();
     recordings[3] = Recording::new("odd", odd.joints().clone(), times, positions).unwrap();
-    let inspections = Inspection::of_set(&recordings).unwrap();
-    for (i, inspection) in inspections.iter().enumerate() {
-        let flags: Vec<Flag> = inspection.findings.iter().map(|f| f.flag).collect();
-        let odd = [Flag::OddFrequency, Flag::OddSize, Flag::OddPosture];
-        assert_eq!(odd.iter().all(|f| flags.contains(f)), i == 3, "{flags:?}");
-        assert!(i == 3 || !inspection.is_spoilt(), "{flags:?}");
+    for (i, flags) in odd_flags(&recordings).into_iter().enumerate() {
+        let expected = if i == 3 {
+            vec![Flag::OddFrequency, Flag::OddSize, Flag::OddPosture]
+        } else {
+            Vec::new()
+        };
+        assert_eq!(flags, expected, "recording {i}");
     }
 }
 
