@@ -101,7 +101,7 @@ fn words_say_what_was_taken() {
         ],
     );
     for part in [
-        "skeleton Mixamo of 10 bones, 160 frames at 40.000000 Hz; right hand",
+        "skeleton Mixamo of 10 bones, 160 frames at 40 Hz; right hand",
         "right arm: 21 samples, 0.50 s",
         "to one.csv",
         "wrote 1 recordings, order zxy",
