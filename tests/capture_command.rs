@@ -32,8 +32,16 @@ fn waving(number: u64) -> Waves {
     waves
 }
 
+/// Four cycles.
 fn write(folder: &Path, name: &str, right: &Waves, left: &Waves) {
     let text = Skeleton::mixamo().text([right, left], false);
+    let lines: Vec<&str> = text.lines().collect();
+    let (head, cycle) = lines.split_at(lines.len() - FRAMES);
+    let head = head.join("\n").replace(
+        &format!("Frames: {FRAMES}"),
+        &format!("Frames: {}", 4 * FRAMES),
+    );
+    let text = format!("{head}\n{}", format!("{}\n", cycle.join("\n")).repeat(4));
     std::fs::write(folder.join(name), text).unwrap();
 }
 
@@ -93,7 +101,7 @@ fn words_say_what_was_taken() {
         ],
     );
     for part in [
-        "skeleton Mixamo of 10 bones, 40 frames at 40.000000 Hz; right hand",
+        "skeleton Mixamo of 10 bones, 160 frames at 40 Hz; right hand",
         "right arm: 21 samples, 0.50 s",
         "to one.csv",
         "wrote 1 recordings, order zxy",
@@ -128,8 +136,8 @@ fn nothing_is_written_where_one_of_them_is_bad() {
         ),
         (
             2,
-            &["good.bvh", "--from", "2"],
-            "nothing from 2 to inf s, expected a part of 0 to",
+            &["good.bvh", "--from", "5"],
+            "nothing from 5 to inf s, expected a part of 0 to",
         ),
         (
             2,

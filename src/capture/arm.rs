@@ -103,7 +103,7 @@ impl ArmMotion {
     /// # Errors
     /// When it is beyond half a turn.
     pub fn with_hinge_roll(self, hinge_roll: f64) -> Result<Self> {
-        if !(hinge_roll.abs() <= TAU / 2.0) {
+        if !(-TAU / 2.0..=TAU / 2.0).contains(&hinge_roll) {
             return Err(
                 Error::new(ErrorKind::Setting, format!("hinge roll {hinge_roll} rad"))
                     .expected("an angle within half a turn"),

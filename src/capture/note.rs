@@ -58,7 +58,7 @@ impl fmt::Display for CaptureNote {
                 let order_of_others = order.other();
                 write!(
                     f,
-                    "the upper arm comes within {:.0} deg of where order {order} is singular and its angles jump",
+                    "the upper arm comes within {:.0} deg of where order {order} is singular: its angles there are faster than the arm",
                     90.0 - own
                 )?;
                 if other > nearest {

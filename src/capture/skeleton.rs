@@ -123,8 +123,8 @@ impl Bone {
         let unit = |v: &[f64; 3]| Vector3::from(*v).try_normalize(0.0);
         let (up, forward) = unit(up).zip(unit(forward)).unwrap_or_default();
         let left = up.cross(&forward);
-        // Not a number where the lengths are beyond those of numbers.
-        if !(left.norm() > PARALLEL) {
+        // Lengths beyond those of numbers are normalized to none, or to no number.
+        if left.norm().is_nan() || left.norm() <= PARALLEL {
             return Err(Error::new(ErrorKind::Value, "up and forward span no plane")
                 .expected("two directions at a right angle, such as [0, 1, 0] and [0, 0, 1]")
                 .at(format!("bone `{}`", self.name())));

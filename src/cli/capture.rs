@@ -230,11 +230,11 @@ fn bones(arguments: &Arguments, map: Option<&BoneMap>, text: &[u8]) -> Result<Ta
     let skeleton = map.skeleton();
     Ok(Taken {
         words: format!(
-            "{} of {} bones, {} frames at {:.6} Hz; {} arm lengths/s",
+            "{} of {} bones, {} frames at {} Hz; {} arm lengths/s",
             skeleton.map_or("a skeleton".to_owned(), |name| format!("skeleton {name}")),
             bvh.bones().count(),
             bvh.frames(),
-            bvh.rate(),
+            (1e3 * bvh.rate()).round() / 1e3,
             speeds.join(", ")
         ),
         motions,
