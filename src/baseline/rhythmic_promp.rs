@@ -130,17 +130,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bases_repeat_with_the_cycle_and_span_its_harmonics() {
+    fn bases_repeat_with_the_cycle_and_span_its_lowest_harmonics() {
         let phases: Vec<f64> = (0..90).map(|n| TAU * f64::from(n) / 90.0).collect();
         let later: Vec<f64> = phases.iter().map(|p| p + 3.0 * TAU).collect();
         assert!((design(&phases, 9) - design(&later, 9)).amax() < 1e-12);
-        // Four harmonics and a mean are nine numbers; the fourth is what nine bases see least of.
-        let y = DMatrix::from_fn(90, 2, |n, h| 0.5 + ((3 * h + 1) as f64 * phases[n]).cos());
+        // What nine bases see of a harmonic h is mixed with 9 - h, the more the nearer these are.
+        let y = DMatrix::from_fn(90, 2, |n, h| 0.5 + ((h + 1) as f64 * phases[n]).cos());
         let w = ridge(&design(&phases, 9), &y).unwrap();
         let found = design(&phases, 9) * DMatrix::from_column_slice(9, 2, w.as_slice());
         let missed = |d: usize| (found.column(d) - y.column(d)).amax();
         assert!(
-            missed(0) < 0.02 && missed(1) < 0.2,
+            missed(0) < 0.02 && missed(1) < 0.1,
             "{} {}",
             missed(0),
             missed(1)

@@ -28,7 +28,8 @@ pub(crate) const DISTANCES: usize = 4;
 /// What is compared between drawn motions and a left-out demonstration, by the energy distance of the vectors that are seen of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Distance {
-    /// Two cycles of all joints, from an upper turning point of the dominant joint on, in seconds of the left-out demonstration's tempo, in units of each joint's demonstrated standard deviation, root mean square.
+    /// Two cycles of all joints, from an upper turning point of the dominant joint on, in seconds of the left-out demonstration's tempo, in units of each joint's demonstrated standard deviation, root mean square; each joint about its mean, for postures differ
+    /// more than gestures do and all models draw them alike.
     Motion,
     /// Amplitudes of all joints in third octaves from 0.3 to 10 Hz, of the whole length without its drift, in units of each joint's demonstrated standard deviation, root of the sum of squares: where
     /// the motion has its power.

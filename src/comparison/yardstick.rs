@@ -32,7 +32,7 @@ pub(super) struct Yardstick<'a> {
     truth: &'a Recording,
     /// The joint whose turning points align motions.
     joint: usize,
-    /// Standard deviations of joints (D) \[rad\], and of a course's entries.
+    /// Standard deviations of joints about the mean of each recording (D) \[rad\], and of a course's entries.
     spreads: Vec<f64>,
     course_spreads: Vec<f64>,
     /// Of each joint, what lies beyond is beyond anything demonstrated \[rad\].
@@ -65,16 +65,15 @@ impl<'a> Yardstick<'a> {
         let column = |r: &Recording, d: usize| -> Vec<f64> {
             r.positions().column(d).iter().copied().collect()
         };
+        // About each recording's own posture: a gesture is what moves.
         let spread = |d: usize| {
-            let mean = |f: &dyn Fn(&Recording) -> f64| {
-                learned.iter().map(f).sum::<f64>() / learned.len() as f64
-            };
-            let middle = mean(&|r| r.positions().column(d).mean());
             let about = |r: &Recording| {
-                let square: f64 = column(r, d).iter().map(|y| (y - middle).powi(2)).sum();
-                square / r.times().len() as f64
+                let y = column(r, d);
+                let mean = y.iter().sum::<f64>() / y.len() as f64;
+                y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / y.len() as f64
             };
-            mean(&about).sqrt().max(FAINT)
+            let square = learned.iter().map(about).sum::<f64>() / learned.len() as f64;
+            square.sqrt().max(FAINT)
         };
         let range = |d: usize| {
             let all = learned.iter().flat_map(|r| column(r, d));
@@ -148,7 +147,7 @@ impl<'a> Yardstick<'a> {
         })
     }
 
-    /// Stretches of the motion that begin at turning points, in units of the joints' spreads; a motion that turns nowhere is seen as it is.
+    /// Stretches of the motion that begin at turning points, each joint about its mean, in units of the joints' spreads; a motion that turns nowhere is seen as it is.
     fn windows(&self, motion: &Recording, turns: &[f64]) -> Vec<Vec<f64>> {
         let times = motion.times();
         let (first, last) = (times[0], times[times.len() - 1]);
@@ -160,17 +159,17 @@ impl<'a> Yardstick<'a> {
         let root = ((POINTS * self.spreads.len()) as f64).sqrt();
         let window = |start: f64| {
             let mut values = Vec::with_capacity(POINTS * self.spreads.len());
-            for i in 0..POINTS {
-                let t = start + self.window * i as f64 / (POINTS - 1) as f64;
-                let next = times.partition_point(|u| *u <= t).clamp(1, times.len() - 1);
-                let share = ((t - times[next - 1]) / (times[next] - times[next - 1])).min(1.0);
-                for (d, spread) in self.spreads.iter().enumerate() {
-                    let (a, b) = (
-                        motion.positions()[(next - 1, d)],
-                        motion.positions()[(next, d)],
-                    );
-                    values.push((a + share * (b - a)) / (spread * root));
-                }
+            for (y, spread) in motion.positions().column_iter().zip(&self.spreads) {
+                let at = |i: usize| {
+                    let t = start + self.window * i as f64 / (POINTS - 1) as f64;
+                    let next = times.partition_point(|u| *u <= t).clamp(1, times.len() - 1);
+                    let step = times[next] - times[next - 1];
+                    let share = ((t - times[next - 1]) / step).min(1.0);
+                    y[next - 1] + share * (y[next] - y[next - 1])
+                };
+                let seen: Vec<f64> = (0..POINTS).map(at).collect();
+                let mean = seen.iter().sum::<f64>() / POINTS as f64;
+                values.extend(seen.iter().map(|y| (y - mean) / (spread * root)));
             }
             values
         };
