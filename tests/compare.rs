@@ -355,7 +355,11 @@ fn real_sets_are_compared() {
                 .unwrap();
         let open = |f: &std::path::PathBuf| Recording::open(f, &CsvOptions::default()).unwrap();
         let recordings: Vec<Recording> = files.iter().map(open).collect();
-        let comparison = Comparison::new(&recordings, &quick(20), || ()).unwrap();
+        let options = ComparisonOptions {
+            folds: Some(4),
+            ..quick(20)
+        };
+        let comparison = Comparison::new(&recordings, &options, || ()).unwrap();
         for p in &comparison.paired {
             let Estimate {
                 value,

@@ -57,18 +57,24 @@ impl Whitening {
 impl Density {
     pub fn new(covariance: &Covariance) -> Self {
         let mut whitening = Vec::new();
+        let independent = covariance.independent();
+        let mut in_block = vec![false; covariance.dimension()];
         for block in covariance.blocks() {
-            let active = block
+            let active: Vec<usize> = block
                 .deviations()
                 .iter()
                 .enumerate()
                 .filter(|(_, s)| **s > 0.0)
                 .map(|(i, _)| block.start() + i)
                 .collect();
-            whitening.extend(Whitening::dense(active, |i, j| block.covariance(i, j)));
+            active.iter().for_each(|i| in_block[*i] = true);
+            whitening.extend(Whitening::dense(active, |i, j| {
+                let alone = if i == j { independent[i].powi(2) } else { 0.0 };
+                block.covariance(i, j) + alone
+            }));
         }
-        for (i, s) in covariance.independent().iter().enumerate() {
-            if *s > 0.0 {
+        for (i, s) in independent.iter().enumerate() {
+            if *s > 0.0 && !in_block[i] {
                 whitening.extend(Whitening::dense(vec![i], |_, _| s * s));
             }
         }
