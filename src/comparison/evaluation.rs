@@ -17,7 +17,7 @@ pub struct Conditioned {
     pub swing_off: Estimate,
     /// The same of the frequency.
     pub frequency_off: Estimate,
-    /// In the order of [`Distance::ALL`].
+    /// In the order of [`Distance::ALL`](crate::Distance::ALL).
     pub distances: [Estimate; DISTANCES],
 }
 

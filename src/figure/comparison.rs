@@ -118,7 +118,10 @@ pub fn comparison(comparison: &Comparison, size: (u32, u32)) -> Result<Picture> 
         names.push(p.distance.name().to_owned());
     }
     plots.push(Plot {
-        y_label: "nearer than best baseline [%]".into(),
+        y_label: format!(
+            "{} nearer than best baseline [%]",
+            comparison.models[0].kind.short_name()
+        ),
         names,
         series,
         ..Plot::default()
