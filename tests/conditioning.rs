@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::distr::Distribution;
 use undulate::testing::{Seed, gaussian};
 use undulate::{
-    Coordinate, Estimator, FourierMovementPrimitive, Gaussian, LearnOptions, LinearObservation,
-    Observation, stream, synthetic,
+    Estimator, FourierMovementPrimitive, Gaussian, LearnOptions, LinearObservation, Observation,
+    stream, synthetic,
 };
 
 #[path = "common/asked.rs"]
@@ -269,19 +269,4 @@ fn draws_have_the_mean_and_covariance_that_the_textbook_states() {
 fn asked_of_three_harmonics(primitive: &FourierMovementPrimitive) -> Vec<Asked> {
     let asked = asked(primitive, |i| if i == 2 { 0.3 } else { 0.0 });
     vec![asked[0].clone(), asked[2].clone()]
-}
-
-#[test]
-fn what_is_said_twice_is_no_contradiction_whatever_its_unit() {
-    let primitive = learned(kronecker(), 3);
-    for scale in [1e-3, 1.0, 1e9] {
-        let terms = [(1.0, 1), (-0.37, 2)];
-        let terms = terms.map(|(c, k)| (c * scale, Coordinate::modulus("elbow_flexion", k)));
-        let said = Observation::sum(terms.to_vec(), 0.7 * scale);
-        let once = primitive.condition(&[said.clone()]).unwrap();
-        let twice = once.condition(&[said.clone()]);
-        assert!(twice.is_ok(), "{scale}: {}", twice.unwrap_err());
-        let other = Observation::sum(terms.to_vec(), 0.8 * scale);
-        assert!(once.condition(&[other]).is_err(), "{scale}");
-    }
 }

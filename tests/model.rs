@@ -514,3 +514,22 @@ fn a_grid_has_the_points_that_were_asked_for() {
         assert_eq!((grid.points(), grid.times(1.0).len()), (points, points));
     }
 }
+
+#[test]
+fn the_longest_series_of_cycles_takes_as_long_whatever_their_number() {
+    let text = include_str!("fixtures/model_v2_cycles.json");
+    let longest = |count: f64| -> f64 {
+        let text = text.replacen("\"count\":3", &format!("\"count\":{count}"), 1);
+        let primitive = FourierMovementPrimitive::from_json(&text).unwrap();
+        let (chart, mut x) = (primitive.chart(), primitive.gaussian().mean().clone());
+        let frequency = |i: &usize| chart.coordinate(*i) == Some(Coordinate::Frequency);
+        let i = (0..x.len()).find(frequency).unwrap();
+        x[i] = -1e3;
+        let refused = chart.wave(&x).unwrap_err().to_string();
+        let limit = refused.split("within +-").nth(1).expect(&refused);
+        let digits = |c: char| !c.is_ascii_digit() && c != '.';
+        let slowest = limit.split(digits).next().unwrap().parse::<f64>().unwrap();
+        slowest + count.ln()
+    };
+    assert!((longest(3.0) - longest(4.0)).abs() < 1e-9);
+}

@@ -195,26 +195,6 @@ fn every_form_of_phases_comes_back_from_its_file_and_names_its_coordinates() {
 }
 
 #[test]
-fn entries_at_their_limits_make_the_wave_of_the_same_angles() {
-    let waves = synthetic(3).unwrap().fit(4).unwrap();
-    for phases in [PhaseForm::Recentred, PhaseForm::Relative] {
-        let primitive = learned(&waves, phases);
-        let (chart, mean) = (primitive.chart(), primitive.gaussian().mean());
-        let turns = 47.0 * std::f64::consts::TAU;
-        let (mut far, mut near) = (mean.clone(), mean.clone());
-        for i in 0..mean.len() {
-            let coordinate = chart.coordinate(i).unwrap().to_string();
-            if coordinate.starts_with("phase") {
-                (near[i], far[i]) = (0.5, 0.5 + turns);
-            }
-        }
-        let (far, near) = (chart.wave(&far).unwrap(), chart.wave(&near).unwrap());
-        let apart = (far.weights() - near.weights()).norm();
-        assert!(apart < 1e-9, "{phases}: {apart:e}");
-    }
-}
-
-#[test]
 fn a_start_is_read_from_its_text() {
     let start = |text: &str| text.parse::<Start>();
     assert_eq!(start("kept").unwrap(), Start::Kept);
