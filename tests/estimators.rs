@@ -277,3 +277,32 @@ fn a_harmonic_that_vanishes_stays_nothing() {
         );
     }
 }
+
+#[test]
+fn the_weight_that_is_chosen_scores_best() {
+    let waves = synthetic(0).unwrap().fit(4).unwrap();
+    let examples: Vec<Example> = waves.iter().map(Example::from).collect();
+    let form = LearnOptions::default().form(&examples).unwrap();
+    let each = HeldOut::each(&examples, &form).unwrap();
+    let score = |weight: f64| -> f64 {
+        let weight = Some(weight);
+        let scores = each
+            .iter()
+            .map(|held_out| held_out.score(Estimator::Kronecker { weight }).unwrap());
+        scores.sum()
+    };
+    let chosen = Estimator::Kronecker { weight: None }.chosen(&examples, &form);
+    let Estimator::Kronecker { weight: Some(best) } = chosen.unwrap() else {
+        panic!("no weight");
+    };
+    let most = score(best);
+    for weight in (1..=20).map(|step| f64::from(step) / 20.0) {
+        assert!(score(weight) <= most + 1e-9, "{weight}, chosen {best}");
+    }
+    for weight in [0.0, -0.5, 1.5, f64::NAN] {
+        let refused = each[0].score(Estimator::Kronecker {
+            weight: Some(weight),
+        });
+        assert!(refused.is_err(), "{weight}");
+    }
+}

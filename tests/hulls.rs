@@ -68,6 +68,10 @@ proptest! {
                 prop_assert!(normal.dot(&(p - a)) <= 2e-14, "{}", normal.dot(&(p - a)));
             }
         }
+        // Nor is any beyond a plane, and there no rounding says otherwise.
+        for (normal, offset) in hull.planes().iter().filter(|_| !hull.is_flat()) {
+            prop_assert!(points.iter().all(|p| normal.dot(&p.coords) <= *offset));
+        }
         // Without any one vertex the hull is another.
         for v in hull.vertices().iter().filter(|_| hull.vertices().len() > 1) {
             let others: Vec<_> = hull.vertices().iter().filter(|u| *u != v).copied().collect();

@@ -324,6 +324,12 @@ fn an_l_is_two_boxes() {
 
     let parts = mesh.decomposed(&Decomposition::default()).unwrap();
     assert_eq!(parts.len(), 2);
+    // Turned by half a turn, what was above the cut is below it.
+    let turned = mesh.scaled(&Vector3::new(-1.0, -1.0, 1.0)).unwrap();
+    let others = turned.decomposed(&Decomposition::default()).unwrap();
+    let volume = |hulls: &[Hull]| hulls.iter().map(Hull::volume).sum::<f64>();
+    assert_eq!(others.len(), 2);
+    assert!((volume(&others) - volume(&parts)).abs() < 1e-12);
     let close = mesh.enclosure(&parts);
     assert!((close.volume_ratio.unwrap() - 1.0).abs() < 1e-12);
     assert!(close.largest_gap.1 < 1e-2, "{close:?}");

@@ -7,8 +7,8 @@ use rand::RngExt;
 use rand::distr::Distribution;
 use undulate::testing::{Seed, gaussian, gaussians, primitives, waves};
 use undulate::{
-    Coordinate, Derivative, FourierBasis, FourierMovementPrimitive, Gaussian, LearnOptions,
-    LogPolar, Observation, PeriodGrid, Wave, stream, synthetic,
+    Bound, Bounds, Coordinate, Derivative, ErrorKind, FourierBasis, FourierMovementPrimitive,
+    Gaussian, Interval, LearnOptions, LogPolar, Observation, PeriodGrid, Wave, stream, synthetic,
 };
 
 /// The literal system of Algorithm 1: (Phi (x) I_D) w = y over k = -K..K, by the complex normal equations' SVD-free twin, LU.
@@ -444,4 +444,92 @@ fn one_demonstration_and_differing_waves_are_refused() {
         )
         .is_err()
     );
+}
+
+#[test]
+fn rows_and_columns_that_are_missing_are_refused() {
+    let wave = synthetic(0).unwrap().fit(2).unwrap().remove(0);
+    let basis = FourierBasis::new(wave.period(), 2).unwrap();
+    let times: Vec<f64> = stamps(0, wave.period(), 20, 0);
+    let joints = wave.joints();
+    let samples = |rows: usize, columns: usize| DMatrix::zeros(rows, columns);
+    assert!(
+        basis
+            .fit(joints, &times, &samples(20, joints.len()))
+            .is_ok()
+    );
+    for (rows, columns) in [(19, joints.len()), (20, joints.len() - 1), (20, 0)] {
+        let error = basis.fit(joints, &times, &samples(rows, columns));
+        assert_eq!(error.unwrap_err().kind(), ErrorKind::Shape);
+    }
+    let mut file: serde_json::Value = serde_json::from_str(&wave.to_json()).unwrap();
+    let whole = file["weights_rad"].clone();
+    let rows = |rows: &serde_json::Value| rows.as_array().unwrap().clone();
+    let mut fewer = rows(&whole);
+    fewer.pop();
+    let mut ragged = rows(&whole);
+    ragged[1].as_array_mut().unwrap().pop();
+    for broken in [fewer, ragged] {
+        file["weights_rad"] = broken.into();
+        let error = Wave::from_json(&file.to_string()).unwrap_err();
+        assert!(error.to_string().contains("rows of weights"), "{error}");
+    }
+}
+
+#[test]
+fn draws_within_bounds_are_those_draws_that_stay_within() {
+    let primitive = learned();
+    let joints = primitive.chart().joints();
+    let range = |wave: &Wave| wave.range(3, Derivative::Position);
+    let mut highest: Vec<f64> = (0..20)
+        .map(|k| range(&primitive.sample(&mut stream(9, k))).upper)
+        .collect();
+    highest.sort_by(f64::total_cmp);
+    let within = |upper: f64| {
+        let lower = -100.0;
+        let bound = Bound {
+            joint: "elbow_flexion".to_owned(),
+            interval: Interval { lower, upper },
+        };
+        let bounds = Bounds::new(joints, &[bound]).unwrap();
+        primitive.sample_within(&bounds, 8, 9, 0)
+    };
+    let found = within(highest[14]).unwrap();
+    assert!(found.waves.len() == 8 && (8..=20).contains(&found.draws));
+    for (number, wave) in &found.waves {
+        assert_eq!(*wave, primitive.sample(&mut stream(9, *number)));
+        assert!(range(wave).upper <= highest[14]);
+    }
+    let hopeless = within(-99.0).unwrap_err();
+    assert!(
+        hopeless.to_string().contains("0 of 1000 draws"),
+        "{hopeless}"
+    );
+}
+
+#[test]
+fn a_grid_has_the_points_that_were_asked_for() {
+    for points in [1, 2, 7, 100] {
+        let grid = PeriodGrid::new(points, 3);
+        assert_eq!((grid.points(), grid.times(1.0).len()), (points, points));
+    }
+}
+
+#[test]
+fn the_longest_series_of_cycles_takes_as_long_whatever_their_number() {
+    let text = include_str!("fixtures/model_v2_cycles.json");
+    let longest = |count: f64| -> f64 {
+        let text = text.replacen("\"count\":3", &format!("\"count\":{count}"), 1);
+        let primitive = FourierMovementPrimitive::from_json(&text).unwrap();
+        let (chart, mut x) = (primitive.chart(), primitive.gaussian().mean().clone());
+        let frequency = |i: &usize| chart.coordinate(*i) == Some(Coordinate::Frequency);
+        let i = (0..x.len()).find(frequency).unwrap();
+        x[i] = -1e3;
+        let refused = chart.wave(&x).unwrap_err().to_string();
+        let limit = refused.split("within +-").nth(1).expect(&refused);
+        let digits = |c: char| !c.is_ascii_digit() && c != '.';
+        let slowest = limit.split(digits).next().unwrap().parse::<f64>().unwrap();
+        slowest + count.ln()
+    };
+    assert!((longest(3.0) - longest(4.0)).abs() < 1e-9);
 }

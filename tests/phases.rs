@@ -3,8 +3,8 @@
 use num_complex::Complex;
 use rand::RngExt;
 use undulate::{
-    Coordinate, Estimator, FourierMovementPrimitive, LearnOptions, Observation, PhaseForm, Wave,
-    stream, synthetic,
+    Coordinate, Estimator, FourierMovementPrimitive, LearnOptions, Observation, PhaseForm, Start,
+    Wave, stream, synthetic,
 };
 
 const HARMONICS: usize = 25;
@@ -159,4 +159,48 @@ fn a_phase_observed_at_its_branch_cut_is_the_same_from_both_sides() {
         let nearby = at(centre + std::f64::consts::PI + 1e-9);
         assert!(nearby.gaussian().mean().iter().all(|m| m.is_finite()));
     }
+}
+
+#[test]
+fn every_form_of_phases_comes_back_from_its_file_and_names_its_coordinates() {
+    let waves = synthetic(3).unwrap().fit(4).unwrap();
+    let cycles = include_str!("fixtures/model_v2_cycles.json");
+    let mut primitives = vec![FourierMovementPrimitive::from_json(cycles).unwrap()];
+    for phases in [
+        PhaseForm::Principal,
+        PhaseForm::Recentred,
+        PhaseForm::Relative,
+    ] {
+        primitives.push(learned(&waves, phases));
+    }
+    for primitive in &primitives {
+        let (chart, text) = (primitive.chart(), primitive.to_json());
+        let read = FourierMovementPrimitive::from_json(&text).unwrap();
+        assert_eq!(read.chart().phase_form(), chart.phase_form());
+        assert_eq!(read.to_json(), text);
+        for i in 0..primitive.gaussian().mean().len() {
+            let coordinate = chart.coordinate(i).unwrap();
+            assert_eq!(
+                chart.row(&coordinate).unwrap(),
+                [(i, 1.0)],
+                "{i}: {coordinate}"
+            );
+        }
+    }
+    // Of cycles the modulus is no entry, nor is it one of their logarithms.
+    let chart = primitives[0].chart();
+    let modulus = Coordinate::modulus(chart.joints().iter().next().unwrap(), 1);
+    let error = chart.row(&modulus).unwrap_err().to_string();
+    assert!(error.contains("whose cycles vary"), "{error}");
+}
+
+#[test]
+fn a_start_is_read_from_its_text() {
+    let start = |text: &str| text.parse::<Start>();
+    assert_eq!(start("kept").unwrap(), Start::Kept);
+    assert_eq!(start("redrawn").unwrap(), Start::Redrawn);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert_eq!(start("90deg").unwrap(), Start::Fixed(quarter));
+    let error = start("later").unwrap_err().to_string();
+    assert!(error.contains("start `later`"), "{error}");
 }

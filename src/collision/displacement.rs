@@ -196,3 +196,60 @@ fn way(frames: &Frames, body: usize) -> Vec<usize> {
     }
     joints
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use rand::RngExt;
+
+    use super::*;
+    use crate::collision::{CollisionModel, CollisionOptions};
+    use crate::geometry::Placement;
+    use crate::{shipped, stream};
+
+    /// Over how many postures the farthest is sought.
+    const POSTURES: u64 = 400;
+    /// What a posture is off by in rounding \[m\].
+    const ROUNDING: f64 = 1e-12;
+
+    #[test]
+    fn no_ball_is_farther_from_an_axis_than_it_can_be() {
+        for name in shipped::robots() {
+            let robot = shipped::robot(name).unwrap();
+            let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+            let (frames, rows) = (&model.frames, &model.chains.rows);
+            let mut farthest = vec![0.0_f64; rows.len()];
+            let mut placed = vec![Placement::identity(); frames.bodies()];
+            for number in 0..POSTURES {
+                let mut rng = stream(4, number);
+                let mut q = vec![0.0; robot.joints().len()];
+                q.fill_with(|| 7.0 * (rng.random::<f64>() - 0.5));
+                frames.place(&q, &mut placed);
+                for (row, farthest) in rows.iter().zip(&mut farthest) {
+                    let (part, turning) = (&model.parts[row.part], &frames.joints()[row.joint]);
+                    let PartGeometry::Convexes { ball, .. } = &part.geometry else {
+                        continue;
+                    };
+                    let axis: &Placement = &placed[turning.body];
+                    let arm = placed[part.body].point(&ball.center) - axis.translation;
+                    let across = arm.cross(&Vector3::from(axis.rotation.column(2)));
+                    *farthest = farthest.max(across.norm());
+                }
+            }
+            for (row, farthest) in rows.iter().zip(farthest) {
+                assert!(
+                    farthest <= row.most + ROUNDING,
+                    "{name}: {farthest}, {row:?}"
+                );
+                // From a joint that the part's own body bears it is always as far.
+                let turning = &frames.joints()[row.joint];
+                if turning.parent == model.parts[row.part].body {
+                    assert!(
+                        row.most <= farthest + ROUNDING,
+                        "{name}: {farthest}, {row:?}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -215,3 +215,35 @@ fn nearest<'a>(triangles: &'a [Triangle], p: &Point3<f64>) -> (&'a Triangle, f64
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::stream;
+
+    /// Points along a side of a triangle that is looked at point by point.
+    const STEPS: usize = 100;
+
+    #[test]
+    fn the_distance_to_a_triangle_is_that_to_its_nearest_point() {
+        let mut rng = stream(5, 0);
+        for _ in 0..300 {
+            let mut point = |size: f64| {
+                Point3::from(Vector3::from_fn(|_, _| size * (rng.random::<f64>() - 0.5)))
+            };
+            let corners = [point(1.0), point(1.0), point(1.0)];
+            let p = point(3.0);
+            let found = Triangle::new(corners).distance(&p);
+            let [a, b, c] = &corners;
+            let (u, v) = ((b - a) / STEPS as f64, (c - a) / STEPS as f64);
+            let nearest = (0..=STEPS)
+                .flat_map(|i| (0..=STEPS - i).map(move |j| (i as f64, j as f64)))
+                .map(|(i, j)| (a + u * i + v * j - p).norm())
+                .fold(f64::INFINITY, f64::min);
+            assert!(found <= nearest + 1e-12, "{found}, {nearest}");
+            assert!(nearest <= found + u.norm() + v.norm(), "{found}, {nearest}");
+        }
+    }
+}

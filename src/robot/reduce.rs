@@ -171,3 +171,20 @@ fn escape(value: &str, text: &mut String) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_material_of_a_longer_name_than_is_read_has_none() {
+        for (length, is_kept) in [(LONGEST, true), (LONGEST + 1, false)] {
+            let name = "m".repeat(length);
+            let source = format!("<material name=\"{name}\"/>");
+            let document = roxmltree::Document::parse(&source).unwrap();
+            let mut text = String::new();
+            write(document.root_element(), &mut text);
+            assert_eq!(text.contains(&name), is_kept, "{length}");
+        }
+    }
+}

@@ -219,6 +219,18 @@ fn pairs_say_why_they_are_checked() {
         }),
         "checked"
     );
+    // Of the other pairs an SRDF says nothing by that.
+    let options = CollisionOptions {
+        disabled: vec![(a.clone(), b.clone(), None)],
+        ..default()
+    };
+    let model = CollisionModel::new(&robot, &options).unwrap();
+    let changed = model.pairs().iter().zip(base.pairs());
+    let changed: Vec<_> = changed
+        .filter(|(now, before)| now.status != before.status)
+        .map(|(now, _)| now.names.clone())
+        .collect();
+    assert_eq!(changed, [(a.clone(), b.clone())]);
     let unknown = CollisionOptions {
         left_out: vec![("ghost".to_owned(), a)],
         ..default()
@@ -228,6 +240,71 @@ fn pairs_say_why_they_are_checked() {
         .unwrap()
         .to_string();
     assert!(error.contains("no link or object `ghost`"), "{error}");
+}
+
+#[test]
+fn a_configuration_has_the_clearance_of_its_chord_less_the_padding() {
+    let options = CollisionOptions {
+        padding: 0.15,
+        ..CollisionOptions::default()
+    };
+    let found = CollisionModel::new(&carousel(0.1), &options)
+        .unwrap()
+        .clearance(&[0.0, 1.0])
+        .unwrap();
+    let chord = 2.0 * f64::sin(0.5) - 0.2;
+    assert!(
+        (found.distance - (chord - 0.15)).abs() < ROUNDING,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn what_touches_now_and_then_touches_neither_always_nor_never() {
+    let contacts = |radius: f64| {
+        let robot = carousel(radius);
+        let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+        let mut contacts = model.pair_contacts(&robot, 200, 0).unwrap();
+        assert_eq!(contacts.len(), 1);
+        contacts.remove(0)
+    };
+    let (small, some, large) = (contacts(1e-6), contacts(0.5), contacts(1.1));
+    assert!(small.never() && !small.always(), "{small:?}");
+    assert!(!some.never() && !some.always(), "{some:?}");
+    assert!(!large.never() && large.always(), "{large:?}");
+}
+
+#[test]
+fn every_pair_that_an_srdf_disables_and_that_touches_is_told() {
+    let robot = carousel(0.1);
+    let scene = |offset: f64| {
+        let shape = SceneShape::HalfSpace(HalfSpace::new(nalgebra::Vector3::x(), offset).unwrap());
+        let name = "wall".to_owned();
+        Scene::new(vec![SceneObject { name, shape }]).unwrap()
+    };
+    let disabled = [("one", "two"), ("wall", "one"), ("wall", "two")]
+        .map(|(a, b)| (a.to_owned(), b.to_owned(), None));
+    // The first arm swings to 0.6 about the x axis and into the second at 0.65, which is behind a wall that ends at x = 0.75 with the first or without.
+    let told = |offset: f64| {
+        let options = CollisionOptions {
+            scene: scene(offset),
+            disabled: disabled.to_vec(),
+            ..CollisionOptions::default()
+        };
+        let model = CollisionModel::new(&robot, &options).unwrap();
+        let found = model.disabled_collisions(&swing(0.6, 0.65)).unwrap();
+        let mut pairs: Vec<_> = found.into_iter().map(|moment| moment.pair).collect();
+        pairs.sort();
+        pairs
+    };
+    let named = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
+        let named = pairs.iter().map(|(a, b)| (a.to_string(), b.to_string()));
+        named.collect()
+    };
+    assert_eq!(told(-2.0), named(&[("one", "two")]));
+    assert_eq!(told(0.7), named(&[("one", "two"), ("wall", "two")]));
+    let all = named(&[("one", "two"), ("wall", "one"), ("wall", "two")]);
+    assert_eq!(told(0.75), all);
 }
 
 #[test]

@@ -48,6 +48,30 @@ fn what_is_written_is_verified() {
     assert!(verified > 10);
 }
 
+#[test]
+fn a_margin_or_tolerance_that_is_none_is_refused() {
+    let robot = carousel(0.1);
+    let options = CollisionOptions::default();
+    let model = CollisionModel::new(&robot, &options).unwrap();
+    let still = move_of(&robot, &[0.0, 1.0], &[0.1, 1.0]);
+    let (_, made) = model
+        .prover()
+        .certificate(&robot, &still, 0.02, &[1e-3; 2], Vec::new(), Vec::new())
+        .unwrap();
+    let text = made.expect("a proof").to_json();
+    let verified = |text: &str| Certificate::from_json(text)?.verify(&robot, &still, &options);
+    assert!(verified(&text).is_ok());
+    for (now, then) in [
+        ("\"margin_m\":0.02", "\"margin_m\":-0.02"),
+        ("0.001", "-0.001"),
+    ] {
+        let broken = text.replacen(now, then, 1);
+        assert_ne!(broken, text);
+        let error = verified(&broken).unwrap_err().to_string();
+        assert!(error.contains("that is none"), "{error}");
+    }
+}
+
 /// A sphere on a slider, one above it on a mast, and a sphere that a third joint turns: the last two overlap by 10 mm whatever the joints do.
 fn sledge() -> Robot {
     let link = |name: &str, radius: f64| {

@@ -525,6 +525,13 @@ fn robots() -> Vec<(&'static str, Vec<u8>, Must)> {
             .replace("name=\"r\"", "name=\"r\" version=\"1.1\""),
             Refuse("quat_xyzw"),
         ),
+        ("foreign", arm("<sensor/>", LIMIT, ""), Load(2)),
+        (
+            "turned",
+            arm("", &format!("<origin rpy=\"0 0 1\"/>{LIMIT}"), "")
+                .replace("name=\"r\"", "name=\"r\" version=\"1.1\""),
+            Load(2),
+        ),
         (
             "far",
             arm("", &format!("<origin xyz=\"1e308 0 0\"/>{LIMIT}"), ""),

@@ -117,3 +117,42 @@ fn fan(segments: &[Segment], axis: usize) -> Vec<[Point3<f64>; 3]> {
     });
     segments.iter().map(|[a, b]| [middle.1, *a, *b]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_told_apart_along_either_axis() {
+        let square = |y: f64, z: f64| {
+            let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+                .map(|(dy, dz)| Point3::new(0.0, y + dy, z + dz));
+            (0..4).map(move |i| [corners[i], corners[(i + 1) % 4]])
+        };
+        for (y, z, count) in [(0.0, 2.0, 2), (2.0, 0.0, 2), (2.0, 2.0, 2), (0.5, 0.5, 1)] {
+            let segments: Vec<Segment> = square(0.0, 0.0).chain(square(y, z)).collect();
+            let mut parts = Vec::new();
+            separate(segments, [1, 2], DEPTH, false, &mut parts);
+            assert_eq!(parts.len(), count, "{y} {z}");
+        }
+    }
+
+    #[test]
+    fn what_bounds_one_side_of_a_plane_fills_no_other() {
+        // Walls from the plane x = 0 up, and none below it.
+        let [a, b, c] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(y, z)| [y, z]);
+        let wall = |[p, q]: [[f64; 2]; 2]| {
+            let at = |x: f64, p: [f64; 2]| Point3::new(x, p[0], p[1]);
+            [
+                [at(0.0, p), at(0.0, q), at(1.0, q)],
+                [at(0.0, p), at(1.0, q), at(1.0, p)],
+            ]
+        };
+        let walls: Vec<_> = [[a, b], [b, c], [c, a]]
+            .into_iter()
+            .flat_map(wall)
+            .collect();
+        assert!(filled(&walls, 0, 0.0, -1.0).is_empty());
+        assert!(!filled(&walls, 0, 0.0, 1.0).is_empty());
+    }
+}
