@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use undulate::nalgebra::DMatrix;
-use undulate::{Inspection, Joints, Recording};
+use undulate::{ARM_ANGLES, Inspection, Joints, Recording};
 
 const RATE: f64 = 120.0;
 const HOUR: f64 = 3600.0;
@@ -27,23 +27,14 @@ fn hour(names: [&str; 7], on: f64) -> Recording {
 }
 
 fn bench(c: &mut Criterion) {
-    let arm = [
-        "shoulder_flexion",
-        "shoulder_abduction",
-        "shoulder_rotation",
-        "elbow_flexion",
-        "forearm_pronation",
-        "wrist_flexion",
-        "wrist_deviation",
-    ];
     let robot = ["a", "b", "c", "d", "e", "f", "g"];
     let mut group = c.benchmark_group("an hour at 120 Hz");
     group
         .sample_size(10)
         .measurement_time(Duration::from_secs(20));
     for (name, recording) in [
-        ("a person's arm, one wave", hour(arm, 60.0)),
-        ("a person's arm, sixty waves", hour(arm, 20.0)),
+        ("a person's arm, one wave", hour(ARM_ANGLES, 60.0)),
+        ("a person's arm, sixty waves", hour(ARM_ANGLES, 20.0)),
         ("seven joints, one wave", hour(robot, 60.0)),
     ] {
         group.bench_function(name, |b| b.iter(|| Inspection::of(black_box(&recording))));

@@ -269,17 +269,8 @@ mod tests {
             map_for("wave_arm", &joints).unwrap().map(|(name, _)| name)
         };
         assert_eq!(found(&DEMONSTRATOR_JOINTS), Some("wave_arm_demonstrator"));
-        let human = [
-            "shoulder_flexion",
-            "shoulder_abduction",
-            "shoulder_rotation",
-            "elbow_flexion",
-            "forearm_pronation",
-            "wrist_flexion",
-            "wrist_deviation",
-        ];
         for robot in robots() {
-            let joints = Joints::new(human).unwrap();
+            let joints = Joints::new(crate::anatomy::ARM_ANGLES).unwrap();
             let (name, _) = map_for(robot, &joints).unwrap().unwrap();
             assert_eq!(name, format!("{robot}_human"));
         }

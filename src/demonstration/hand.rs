@@ -5,19 +5,10 @@ use std::borrow::Cow;
 use nalgebra::DMatrix;
 
 use super::Recording;
+use crate::anatomy::ARM_ANGLES;
 use crate::fourier::Joints;
 
-/// Shoulder flexion, abduction, rotation; elbow flexion; these must be there. Forearm pronation, wrist flexion and
-/// deviation are zero where they were not recorded.
-const JOINTS: [&str; 7] = [
-    "shoulder_flexion",
-    "shoulder_abduction",
-    "shoulder_rotation",
-    "elbow_flexion",
-    "forearm_pronation",
-    "wrist_flexion",
-    "wrist_deviation",
-];
+/// The first of [`ARM_ANGLES`], of shoulder and elbow, must be there; those of the hand are zero where they were not recorded.
 const NEEDED: usize = 4;
 
 /// Upper arm, forearm and hand as shares of the arm, which is 1 long.
@@ -28,7 +19,7 @@ const CLEARLY: f64 = 0.8;
 
 /// The columns of a person's arm, where a recording has them.
 fn columns(joints: &Joints) -> Option<[Option<usize>; 7]> {
-    let columns = JOINTS.map(|name| joints.iter().position(|joint| joint == name));
+    let columns = ARM_ANGLES.map(|name| joints.iter().position(|joint| joint == name));
     let complete = columns[..NEEDED].iter().all(Option::is_some);
     complete.then_some(columns)
 }
