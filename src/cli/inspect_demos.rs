@@ -1,6 +1,6 @@
 //! `undulate inspect-demos`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -129,18 +129,27 @@ fn told(inspection: &Inspection, recording: &Recording) -> Value {
     })
 }
 
+/// Parts of a recording that the table names; `--json` has them all.
+const MOST_PARTS: usize = 3;
+
 fn table(inspections: &[Inspection]) -> String {
     let percent = |x: f64| format!("{:.1} %", 100.0 * x);
     let rows: Vec<Vec<String>> = inspections
         .iter()
         .enumerate()
         .map(|(i, inspection)| {
-            let used: Vec<String> = inspection
+            let mut used: Vec<String> = inspection
                 .used
                 .iter()
+                .take(MOST_PARTS)
                 .map(|(start, end)| format!("{start:.2} .. {end:.2}"))
                 .collect();
-            let mut row = vec![format!("{} {}", i + 1, inspection.name), used.join(", ")];
+            if inspection.used.len() > MOST_PARTS {
+                used.push(format!("{} more", inspection.used.len() - MOST_PARTS));
+            }
+            let name = Path::new(&inspection.name).file_name();
+            let name = name.map_or(inspection.name.as_str().into(), |n| n.to_string_lossy());
+            let mut row = vec![format!("{} {name}", i + 1), used.join(", ")];
             row.extend(match &inspection.rhythm {
                 None => vec!["-".to_owned(); 6],
                 Some(rhythm) => vec![
