@@ -260,7 +260,7 @@ fn joint_table(robot: &Robot) -> String {
                 || "any".to_owned(),
                 |i| format!("{} .. {} {unit}", short(i.lower), short(i.upper)),
             );
-            let follows = match robot.is_commanded(joint) {
+            let follows = match joint.is_commanded {
                 true => String::new(),
                 false => follows(robot, joint),
             };
@@ -404,7 +404,7 @@ fn joint_json(robot: &Robot, body: usize, joint: &BodyJoint) -> Value {
         "effort": joint.properties.effort,
         "damping": joint.properties.damping,
         "friction": joint.properties.friction,
-        "follows": (!robot.is_commanded(joint)).then(|| json!({
+        "follows": (!joint.is_commanded).then(|| json!({
             "joint": robot.joints().name(joint.index),
             "multiplier": joint.multiplier,
             "offset": joint.offset,

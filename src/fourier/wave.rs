@@ -199,13 +199,15 @@ impl Wave {
         .map(|series| &mut series.as_mut_slice()[..joints]);
         for (k, column) in self.weights.as_slice().chunks_exact(joints).enumerate() {
             let kw = (k + 1) as f64 * w;
+            let twice = rotation * 2.0;
+            let [square, cube] = [kw * kw, kw * kw * kw];
             for d in 0..joints {
                 // z = 2 w_{d,k} exp(i k w t); differentiating multiplies by i k w.
-                let z = column[d] * rotation * 2.0;
+                let z = column[d] * twice;
                 p[d] += z.re;
                 v[d] -= kw * z.im;
-                a[d] -= kw * kw * z.re;
-                j[d] += kw * kw * kw * z.im;
+                a[d] -= square * z.re;
+                j[d] += cube * z.im;
             }
             rotation *= step;
         }

@@ -159,6 +159,7 @@ fn body_joint(
             JointType::Prismatic => JointKind::Prismatic,
             _ => JointKind::Revolute,
         },
+        is_commanded: joint.mimic.is_none(),
         axis: Unit::new_normalize(axis),
         index: 0,
         multiplier: 1.0,

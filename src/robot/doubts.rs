@@ -30,8 +30,7 @@ impl Robot {
             if let Some(range) = &joint.properties.position {
                 position(joint.kind, range, &mut doubt);
             }
-            let commanded = self.is_commanded(joint);
-            rates(joint, commanded, &mut doubt);
+            rates(joint, &mut doubt);
         }
         doubts
     }
@@ -71,19 +70,19 @@ fn is_whole(number: f64) -> bool {
     number == number.round()
 }
 
-fn rates(joint: &BodyJoint, commanded: bool, doubt: &mut impl FnMut(String)) {
+fn rates(joint: &BodyJoint, doubt: &mut impl FnMut(String)) {
     let (speeds, rate, force) = match joint.kind {
         JointKind::Revolute => (SPEEDS, "rad/s", "N m"),
         JointKind::Prismatic => (SLIDES, "m/s", "N"),
     };
     let outside = |value: f64, [low, high]: [f64; 2]| value < low || value > high;
     match joint.properties.velocity {
-        None if commanded => doubt("no velocity limit: any speed passes".to_owned()),
+        None if joint.is_commanded => doubt("no velocity limit: any speed passes".to_owned()),
         Some(v) if outside(v, speeds) => doubt(format!("a velocity limit of {v} {rate}")),
         _ => {}
     }
     match joint.properties.effort {
-        None if commanded => doubt("no effort limit: any load passes".to_owned()),
+        None if joint.is_commanded => doubt("no effort limit: any load passes".to_owned()),
         Some(e) if outside(e, EFFORTS) => doubt(format!("an effort limit of {e} {force}")),
         _ => {}
     }

@@ -91,6 +91,8 @@ pub struct BodyJoint {
     pub name: String,
     /// About or along.
     pub kind: JointKind,
+    /// It mimics no other joint.
+    pub is_commanded: bool,
     /// Unit axis in the body's frame.
     pub axis: Unit<Vector3<f64>>,
     /// Entry of q.
@@ -211,11 +213,6 @@ impl Robot {
                 .expected(format!("one of the robot's {} links", self.links.len()))
                 .at(format!("robot `{}`", self.name))
         })
-    }
-
-    /// Whether a joint is commanded itself, and does not mimic another.
-    pub fn is_commanded(&self, joint: &BodyJoint) -> bool {
-        self.joints.name(joint.index) == joint.name
     }
 
     /// How closely hulls enclose their meshes, where [`LoadOptions::measure`] asked for it; in the order of the links.

@@ -89,7 +89,7 @@ impl Robot {
     fn longest(&self) -> usize {
         let mut depths = vec![0; self.bodies.len()];
         for (i, body) in self.bodies.iter().enumerate().skip(1) {
-            let own = body.joint.as_ref().is_some_and(|j| self.is_commanded(j));
+            let own = body.joint.as_ref().is_some_and(|j| j.is_commanded);
             depths[i] = depths[body.parent] + usize::from(own);
         }
         // Links come parents first, so the last of the deepest is the end of its chain.

@@ -13,6 +13,10 @@ use crate::robot::{Dynamics, GRAVITY, Robot};
 /// Postures that stand for a motion, evenly spaced in time.
 const POSTURES: usize = 16;
 
+/// From one mass matrix for the observer to the next, where the feed-forward needs none \[s\]. In it a wave of 0.4 rad at 3 Hz turns a joint by
+/// 0.06 rad.
+const STALE: f64 = 8e-3;
+
 /// What the controller sends; it holds until the next. Drives go evenly from one end to the other.
 #[derive(Debug, Clone)]
 pub(super) struct Command {
@@ -73,6 +77,8 @@ pub(super) struct Controller<'a, M> {
     rates: [DVector<f64>; 2],
     acceleration: DVector<f64>,
     observer: Option<Observer>,
+    /// Messages from one mass matrix for it to the next.
+    stale: usize,
     efforts: Vec<f64>,
     command: Command,
 }
@@ -103,6 +109,7 @@ impl<'a, M: Motion> Controller<'a, M> {
             observer: options
                 .observer
                 .then(|| Observer::new(robot, options.bandwidth, period)),
+            stale: ((STALE / period) as usize).max(1),
             efforts: vec![0.0; joints],
             command: Command {
                 position: [DVector::zeros(joints), DVector::zeros(joints)],
@@ -169,9 +176,11 @@ impl<'a, M: Motion> Controller<'a, M> {
             let efforts = match self.plant {
                 Plant::Rapier => self.step.efforts(robot, [q, v, a], None, self.dt),
                 Plant::Rk4 => {
-                    self.dynamics.mass_matrix(robot, q.as_slice());
-                    let (v, a) = (v.as_slice(), Some(a.as_slice()));
-                    self.dynamics.inverse_again(robot, v, a, &GRAVITY);
+                    if self.observer.is_some() && tick.is_multiple_of(self.stale) {
+                        self.dynamics.mass_matrix(robot, q.as_slice());
+                    }
+                    let [q, v, a] = [q, v, a].map(|x| x.as_slice());
+                    self.dynamics.inverse(robot, q, v, a, &GRAVITY);
                     self.dynamics.body_efforts()
                 }
             };
@@ -194,7 +203,7 @@ impl<'a, M: Motion> Controller<'a, M> {
             gathered(robot, &command.forward, &mut self.efforts);
             observer.expect(&self.efforts, (mass, self.share), a, velocity);
             for (body, joint) in robot.moving() {
-                if robot.is_commanded(joint) {
+                if joint.is_commanded {
                     command.forward[body] += observer.missing()[joint.index];
                 }
             }

@@ -154,22 +154,18 @@ impl Drive {
             *needed = row.iter().zip(free_accelerations).map(|(m, a)| m * a).sum();
         }
         self.mass.copy_from(mass);
-        let ahead = |now: &mut f64, before: &mut f64| {
-            let step = *now - *before;
-            *before = *now;
-            *now += 0.5 * step;
-        };
         match &mut self.before {
             None => self.before = Some((self.needed.clone(), self.mass.clone())),
             Some((needed, mass)) => {
-                self.needed
-                    .iter_mut()
-                    .zip(needed.iter_mut())
-                    .for_each(|(now, before)| ahead(now, before));
-                self.mass
-                    .iter_mut()
-                    .zip(mass.iter_mut())
-                    .for_each(|(now, before)| ahead(now, before));
+                let ahead = |now: &mut [f64], before: &mut [f64]| {
+                    for (now, before) in now.iter_mut().zip(before) {
+                        let step = *now - *before;
+                        *before = *now;
+                        *now += 0.5 * step;
+                    }
+                };
+                ahead(self.needed.as_mut_slice(), needed.as_mut_slice());
+                ahead(self.mass.as_mut_slice(), mass.as_mut_slice());
             }
         }
     }

@@ -80,7 +80,7 @@ impl Load {
             }
             Pushed::Joint { joint, effort } => {
                 let index = robot.joints().index(joint)?;
-                let own = |j: &crate::robot::BodyJoint| j.index == index && robot.is_commanded(j);
+                let own = |j: &crate::robot::BodyJoint| j.index == index && j.is_commanded;
                 let body = robot.moving().find(|(_, j)| own(j)).map_or(0, |(b, _)| b);
                 On::Joint {
                     body,

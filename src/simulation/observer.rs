@@ -38,7 +38,7 @@ impl Observer {
         let joints = robot.joints().len();
         let mut is_observed = vec![true; joints];
         for (_, joint) in robot.moving() {
-            is_observed[joint.index] &= robot.is_commanded(joint);
+            is_observed[joint.index] &= joint.is_commanded;
         }
         let zeros = || DVector::zeros(joints);
         Self {

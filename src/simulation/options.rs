@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::loads::EARLY;
+use super::world::SOLVER_ITERATIONS;
 use crate::error::{Error, ErrorKind, Result};
 use crate::motion::Motion;
 use crate::robot::Robot;
@@ -101,7 +102,7 @@ pub struct SimulationOptions {
     pub bandwidth: f64,
     /// Whether motors give no more than their effort limits; yes by default.
     pub effort_limits: bool,
-    /// Iterations of Rapier's constraint solver in a step; 20 by default.
+    /// Iterations of Rapier's constraint solver in a step; 16 by default. What they leave unsolved shrinks by a third or more in each.
     pub solver_iterations: usize,
     /// Viscous damping of every joint \[N m s/rad, N s/m\] in place of the URDF's.
     pub damping: Option<f64>,
@@ -128,7 +129,7 @@ impl Default for SimulationOptions {
             control: Control::FeedForward,
             bandwidth: 12.0,
             effort_limits: true,
-            solver_iterations: 20,
+            solver_iterations: SOLVER_ITERATIONS,
             damping: None,
             friction: None,
             observer: true,

@@ -30,6 +30,14 @@ impl PlantState {
         }
     }
 
+    /// Without allocation.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.position.copy_from(&other.position);
+        self.velocity.copy_from(&other.velocity);
+        self.effort.copy_from(&other.effort);
+        self.work = other.work;
+    }
+
     /// Kinetic and potential energy \[J\].
     pub fn energies(&self, robot: &Robot, dynamics: &mut Dynamics) -> [f64; 2] {
         let (q, v) = (self.position.as_slice(), self.velocity.as_slice());

@@ -123,7 +123,7 @@ impl<'r> RapierPlant<'r> {
                 (motor.stiffness * off + motor.damping * (speed - rate))
                     .clamp(-motor.effort, motor.effort)
             });
-            if robot.is_commanded(joint) {
+            if joint.is_commanded {
                 state.effort[joint.index] = effort;
             }
             let lost = self.losses[body].at(rate);
@@ -206,7 +206,7 @@ impl Integrator for RapierPlant<'_> {
     }
 
     fn step(&mut self, time: f64, state: &mut PlantState) -> Result<[f64; 2]> {
-        self.before.clone_from(state);
+        self.before.copy_from(state);
         if let Some(motors) = &self.motors {
             for ((body, _), motor) in self.robot.moving().zip(motors) {
                 let [target, speed] = &mut self.targets[body];
@@ -217,7 +217,7 @@ impl Integrator for RapierPlant<'_> {
         self.push(time);
         self.world.step();
         for (body, joint) in self.robot.moving() {
-            if self.robot.is_commanded(joint) {
+            if joint.is_commanded {
                 let (position, rate) = self.world.joint_state(body);
                 state.position[joint.index] = position;
                 state.velocity[joint.index] = rate;
@@ -248,10 +248,7 @@ impl Integrator for RapierPlant<'_> {
         let mut geared = vec![false; poses.len()];
         for (i, (ours, theirs)) in poses.iter().zip(theirs).enumerate().skip(1) {
             let body = &self.robot.bodies()[i];
-            let mimics = body
-                .joint
-                .as_ref()
-                .is_some_and(|j| !self.robot.is_commanded(j));
+            let mimics = body.joint.as_ref().is_some_and(|j| !j.is_commanded);
             geared[i] = mimics || geared[body.parent];
             if geared[i] {
                 continue;

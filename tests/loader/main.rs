@@ -52,7 +52,7 @@ fn every_real_robot_loads_as_far_as_its_file_allows() {
         let (_, collision, dynamics) = HAS.iter().find(|(n, ..)| *n == name).unwrap();
         let longest = robot.tips().into_iter().map(|tip| {
             let chain = robot.chain(tip);
-            chain.iter().filter(|j| robot.is_commanded(j)).count()
+            chain.iter().filter(|j| j.is_commanded).count()
         });
         println!(
             "{name}: tip {}, reach {:.3} m, {:?}, {:?}",
@@ -64,7 +64,7 @@ fn every_real_robot_loads_as_far_as_its_file_allows() {
         assert_eq!(robot.joints().len(), dof, "{name}: joints");
         assert_eq!(longest.max(), Some(chain), "{name}: longest chain");
         let own = robot.chain(robot.tip());
-        let own = own.iter().filter(|j| robot.is_commanded(j)).count();
+        let own = own.iter().filter(|j| j.is_commanded).count();
         assert_eq!(own, chain, "{name}: the tip's chain");
         assert_eq!(
             robot.require_collision(0).is_ok(),

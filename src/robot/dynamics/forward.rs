@@ -57,6 +57,17 @@ fn singular(robot: &Robot, joint: usize) -> Error {
 pub(crate) fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> {
     let n = a.nrows();
     let a = a.as_mut_slice();
+    // Of the arms that there are most, without loops.
+    match n {
+        6 => factorise_of(6, a),
+        7 => factorise_of(7, a),
+        n => factorise_of(n, a),
+    }
+}
+
+#[inline(always)]
+fn factorise_of(n: usize, a: &mut [f64]) -> std::result::Result<(), usize> {
+    let a = &mut a[..n * n];
     for j in 0..n {
         let (before, column) = a.split_at_mut(j * n);
         let least = n as f64 * f64::EPSILON * column[j];
@@ -81,8 +92,17 @@ pub(crate) fn factorise(a: &mut DMatrix<f64>) -> std::result::Result<(), usize> 
 
 /// x with U^T D U x = b, in place.
 pub(crate) fn solve(u: &DMatrix<f64>, x: &mut [f64]) {
-    let n = x.len();
-    let u = u.as_slice();
+    let (n, u) = (x.len(), u.as_slice());
+    match n {
+        6 => solve_of(6, u, x),
+        7 => solve_of(7, u, x),
+        n => solve_of(n, u, x),
+    }
+}
+
+#[inline(always)]
+fn solve_of(n: usize, u: &[f64], x: &mut [f64]) {
+    let (u, x) = (&u[..n * n], &mut x[..n]);
     for j in 1..n {
         let (above, own) = x.split_at_mut(j);
         own[0] -= dot(&u[j * n..][..j], above);

@@ -50,7 +50,7 @@ impl Dynamics {
         for (i, a) in v.iter().enumerate() {
             let row: f64 = v[..i]
                 .iter()
-                .zip(self.mass.row(i).iter())
+                .zip(&self.mass.as_slice()[i * v.len()..])
                 .map(|(b, m)| b * m)
                 .sum();
             kinetic += a * (row + 0.5 * self.mass[(i, i)] * a);
