@@ -132,9 +132,13 @@ impl<'a, M: Motion> Controller<'a, M> {
         (self.now.position.clone(), velocity)
     }
 
-    /// What is sent at the time `tick` periods after the start; to be asked for 0, 1, 2 and so on. The joints have come to `velocity`, and
-    /// motors `gave` so much on average since what was sent before.
-    pub fn next(&mut self, tick: usize, velocity: &DVector<f64>, gave: &DVector<f64>) -> &Command {
+    /// What is sent at the time `tick` periods after the start; to be asked for 0, 1, 2 and so on. The joints have come to a position and
+    /// `velocity`, and motors `gave` so much on average since what was sent before.
+    pub fn next(
+        &mut self,
+        tick: usize,
+        [position, velocity, gave]: [&DVector<f64>; 3],
+    ) -> &Command {
         let period = self.period;
         let (before, now, after) = (&self.before, &self.now, &mut self.after);
         self.motion.state_into((tick + 1) as f64 * period, after);
@@ -198,7 +202,7 @@ impl<'a, M: Motion> Controller<'a, M> {
                 Plant::Rk4 => self.dynamics.last_mass_matrix(),
             };
             if tick > 0 {
-                observer.see(velocity, gave);
+                observer.see([position, velocity, gave]);
             }
             gathered(robot, &command.forward, &mut self.efforts);
             observer.expect(&self.efforts, (mass, self.share), a, velocity);

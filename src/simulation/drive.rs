@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::controller::{Command, Gains};
 use super::loads::gathered;
 use super::options::SimulationOptions;
-use crate::error::{Error, ErrorKind, Result};
+use super::plant::not_finite;
+use crate::error::Result;
 use crate::robot::{Dynamics, Robot, factorise, solve};
 
 /// Springs, dampers and feed-forward whose torques are held over a step, chosen for what they bring about at its end: the stable
@@ -80,21 +81,23 @@ impl Drive {
         self.taken = 0;
     }
 
-    /// The torques of a step from (q, v), where `dynamics` found the accelerations `free` without them. Motors at their limits give
-    /// that, and the others are solved for again.
+    /// Begins a step, where `dynamics` found these accelerations without motors and friction.
+    pub fn begin(&mut self, dynamics: &Dynamics, free_accelerations: &DVector<f64>) {
+        self.taken += 1;
+        self.look_ahead(dynamics.last_mass_matrix(), free_accelerations);
+    }
+
+    /// The torques of a step from (q, v), with friction as it is known. Motors at their limits give that, and the others are solved for again.
     ///
     /// # Errors
     /// When nothing of it is finite.
     pub fn torques(
         &mut self,
-        dynamics: &Dynamics,
-        [q, v, free_accelerations]: [&DVector<f64>; 3],
+        [q, v, rubbing]: [&DVector<f64>; 3],
         tau: &mut DVector<f64>,
     ) -> Result<()> {
-        self.taken += 1;
         let share = self.taken as f64 / self.hold as f64;
         let dt = self.dt;
-        self.look_ahead(dynamics.last_mass_matrix(), free_accelerations);
         self.is_saturated.fill(false);
         // What the motors give were the acceleration 0.
         for (j, gains) in self.gains.iter().enumerate() {
@@ -114,13 +117,10 @@ impl Drive {
                     self.slope(gains)
                 };
                 self.matrix[(j, j)] += own;
-                self.acceleration[j] = self.needed[j] + tau[j];
+                self.acceleration[j] = self.needed[j] + tau[j] + rubbing[j];
             }
             if factorise(&mut self.matrix).is_err() {
-                return Err(Error::new(
-                    ErrorKind::Infeasible,
-                    "the simulation leaves the finite numbers",
-                ));
+                return Err(not_finite());
             }
             solve(&self.matrix, self.acceleration.as_mut_slice());
             let mut is_new = false;

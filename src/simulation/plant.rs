@@ -4,8 +4,17 @@ use nalgebra::DVector;
 
 use super::controller::Command;
 use super::energy::Work;
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::robot::{Dynamics, GRAVITY, Robot};
+
+/// What is said where a simulation has come to no numbers.
+pub(super) fn not_finite() -> Error {
+    Error::new(
+        ErrorKind::Infeasible,
+        "the simulation leaves the finite numbers",
+    )
+    .help("a motion beyond the robot's limits does this, as do a large time step and absurd masses or pushes")
+}
 
 /// The state of a plant between two steps.
 #[derive(Debug, Clone)]

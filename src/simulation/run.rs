@@ -5,12 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::controller::{Controller, postures};
 use super::energy::Energy;
 use super::event::events;
-use super::options::{Plant, Schedule, SimulationOptions};
-use super::plant::{Integrator, PlantState};
+use super::options::{Control, Plant, Schedule, SimulationOptions};
+use super::plant::{Integrator, PlantState, not_finite};
 use super::rapier::RapierPlant;
 use super::runge_kutta::RungeKutta;
-use super::{Rollout, stability};
-use crate::error::{Error, ErrorKind, Result};
+use super::{Rollout, observer, stability};
+use crate::error::Result;
 use crate::fourier::State;
 use crate::motion::Motion;
 use crate::parallel;
@@ -82,6 +82,11 @@ impl<'r> Simulation<'r> {
         let postures = postures(motion);
         let mean = postures.iter().sum::<DVector<f64>>() / postures.len() as f64;
         let inertia = Dynamics::new(robot).mass_diagonal(robot, mean.as_slice());
+        if options.observer && options.control == Control::FeedForward {
+            let model = (robot, 1.0 + options.torque_error);
+            let (loaded, bandwidth) = (self.loaded.as_ref(), options.bandwidth);
+            observer::require_stable(model, loaded, &postures, bandwidth, period)?;
+        }
         let plant = self.loaded.as_ref().unwrap_or(robot);
         let controller = Controller::new(robot, motion, options, period);
         let (position, velocity) = controller.start();
@@ -149,7 +154,7 @@ impl<'r> Simulation<'r> {
             let time = n as f64 * dt;
             if n % hold == 0 {
                 gave /= hold as f64;
-                let command = controller.next(n / hold, &state.velocity, &gave);
+                let command = controller.next(n / hold, [&state.position, &state.velocity, &gave]);
                 gave.fill(0.0);
                 plant.receive(command);
                 rollout
@@ -168,12 +173,7 @@ impl<'r> Simulation<'r> {
             rollout.torque.row_mut(n).tr_copy_from(&state.effort);
             gave += &state.effort;
             if !state.is_finite() {
-                return Err(Error::new(
-                    ErrorKind::Infeasible,
-                    "the simulation leaves the finite numbers",
-                )
-                .help("a motion beyond the robot's limits does this, as do a large time step and absurd masses or pushes")
-                .at(at(time + dt)));
+                return Err(not_finite().at(at(time + dt)));
             }
             if (n + 1) % LOOK == 0 || n + 1 == steps {
                 plant

@@ -138,7 +138,7 @@ fn what_pushes_and_weighs_is_held_by_springs() {
 }
 
 /// A wheel about the vertical, that gravity does not move.
-fn wheel(properties: &str, lower: f64, upper: f64) -> Robot {
+pub fn wheel(properties: &str, lower: f64, upper: f64) -> Robot {
     let text = format!(
         r#"<robot name="wheel"><link name="base"/><link name="rim"><inertial><mass value="1"/>
         <inertia ixx="0.5" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial></link>

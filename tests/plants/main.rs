@@ -8,6 +8,7 @@ mod waves;
 mod batch;
 mod energy;
 mod loads;
+mod observer;
 mod refused;
 mod swing;
 mod tracking;
