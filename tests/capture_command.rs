@@ -175,6 +175,14 @@ fn learn_says_what_makes_recordings_of_bvh() {
     write(at, "take.bvh", &waving(0), &STILL);
     let error = fails(at, 1, &["learn", "take.bvh"]);
     assert!(error.contains("take.bvh: motion capture (BVH), expected a CSV table of joint angles; `undulate capture` makes one of it"), "{error}");
+    std::fs::create_dir(at.join("takes")).unwrap();
+    write(at, "takes/take.bvh", &waving(0), &STILL);
+    let error = fails(at, 1, &["learn", "takes"]);
+    assert!(
+        error.contains("takes: no CSV files")
+            && error.contains("`undulate capture` makes them of BVH files"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -205,6 +213,25 @@ fn a_map_says_which_bones_are_what_and_positions_are_taken_too() {
     );
     let read = |name: &str| std::fs::read_to_string(at.join(name)).unwrap();
     assert_eq!(read("known.csv"), read("mapped.csv"));
+    // The upper arm is said to lie upside down: its elbow bends the wrong way.
+    let wrong = map.replace(
+        "\"XRightArm\"",
+        "{\"bone\": \"XRightArm\", \"up\": [0, -1, 0], \"forward\": [0, 0, -1]}",
+    );
+    std::fs::write(at.join("wrong.json"), wrong).unwrap();
+    let arguments = [
+        "capture",
+        "odd.bvh",
+        "--bones",
+        "wrong.json",
+        "-o",
+        "wrong.csv",
+    ];
+    let notes = text(&run(at, &arguments).stderr);
+    assert!(notes.contains("the elbow bends about an axis"), "{notes}");
+    let notes = text(&run(at, &["capture", "take.bvh", "-o", "."]).stderr);
+    assert!(!notes.contains("the elbow bends"), "{notes}");
+    fails(at, 2, &["capture", "take.bvh", "--from", "nan", "-o", "."]);
 
     let mut table = String::from("time_s,elbow_x,elbow_y,elbow_z,hand_x,hand_y,hand_z\n");
     for frame in 0..FRAMES {

@@ -45,6 +45,30 @@ fn json_is_the_librarys_comparison_on_any_number_of_threads_but_for_times() {
 }
 
 #[test]
+fn recordings_of_other_joints_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (name, joints) in [("a.csv", 3), ("b.csv", 3), ("c.csv", 3), ("d.csv", 2)] {
+        let names: Vec<String> = (0..joints).map(|d| format!("j{d}")).collect();
+        let mut text = format!("time_s,{}\n", names.join(","));
+        for n in 0..400 {
+            let t = 0.01 * f64::from(n);
+            let row: Vec<String> = (0..joints)
+                .map(|d| {
+                    ((10.0 + f64::from(name.as_bytes()[0] % 5)) * t + f64::from(d))
+                        .sin()
+                        .to_string()
+                })
+                .collect();
+            text.push_str(&format!("{t},{}\n", row.join(",")));
+        }
+        std::fs::write(at.join(name), text).unwrap();
+    }
+    let words = fails(at, 1, &["compare", ".", "-n", "3"]);
+    assert!(words.contains("joints j0, j1, expected"), "{words}");
+}
+
+#[test]
 fn words_name_every_model_and_figures_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -444,6 +444,7 @@ fn parts_of_whole_motions_are_the_windows_that_people_chose() {
     };
     let index = index(&shared);
     let mut counts = [[0; 2]; 2];
+    let mut covered = 0;
     for file in uncut(&shared) {
         let name = file.file_name().unwrap().to_str().unwrap();
         let stem = name.trim_end_matches(FULL);
@@ -466,6 +467,9 @@ fn parts_of_whole_motions_are_the_windows_that_people_chose() {
             *all += 1;
             *good += usize::from(best >= 0.8);
             windows += 1;
+            let within = |p: &RhythmicPart| p.end.min(row.end) - p.start.max(row.start);
+            let most = parts.iter().map(within).fold(0.0, f64::max);
+            covered += usize::from(most >= 0.9 * (row.end - row.start));
             println!(
                 "{best:.2} {stem}: {:.2}..{:.2}, found {found:?}",
                 row.start, row.end
@@ -476,8 +480,11 @@ fn parts_of_whole_motions_are_the_windows_that_people_chose() {
         }
     }
     let [[others, good_others], [chosen, good_chosen]] = counts;
+    let (good, all) = (good_chosen + good_others, chosen + others);
     println!("IoU of 0.8: {good_chosen} of {chosen} chosen on, {good_others} of {others} others");
-    assert!(10 * (good_chosen + good_others) >= 8 * (chosen + others));
+    println!("nine tenths of the window are in the part: {covered} of {all}");
+    // Those of slow waves go on where the window ends; see `src/DESIGN.md`.
+    assert!(4 * good >= 3 * all && 10 * covered >= 9 * all);
 }
 
 #[test]
@@ -520,9 +527,7 @@ fn windows_are_whole_and_stay_as_they_are() {
         }
     }
     println!("{whole} of {all} windows are whole, {none} without a rhythm; cut: {cut:?}");
-    assert!(10 * whole >= 9 * all);
-    // Their ends go far off.
-    assert!(100 * cut.len() <= 2 * all);
+    assert!(whole == all && cut.is_empty());
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod program;
 
 use std::path::Path;
 
-use program::{done, fails, json};
+use program::{done, fails, json, run, text};
 use undulate::{DEMONSTRATOR_JOINTS, Mixture, Recording, synthetic};
 
 fn write(path: &Path, recording: &Recording) {
@@ -49,6 +49,10 @@ fn kinds_are_learned_named_conditioned_and_drawn() {
     );
     let words = done(at, &learn("2"));
     assert!(words.contains("2 kinds of wave: a 50 %, b 50 %"), "{words}");
+    assert!(
+        words.contains("median frequency") && words.contains(" Hz") && words.contains(" deg of "),
+        "{words}"
+    );
     let rename = [
         "--rename",
         "a=one",
@@ -73,6 +77,19 @@ fn kinds_are_learned_named_conditioned_and_drawn() {
         .map(|k| k["weight"].as_f64().unwrap())
         .fold(0.0, f64::max);
     assert!(likeliest > 0.99, "{value}");
+    let far = [
+        "condition",
+        "named.json",
+        "--given",
+        "frequency=7Hz",
+        "-o",
+        "far.json",
+    ];
+    let notes = text(&run(at, &far).stderr);
+    assert!(
+        notes.contains("standard deviations from every kind"),
+        "{notes}"
+    );
     let text = std::fs::read_to_string(at.join("slow.json")).unwrap();
     assert_eq!(Mixture::from_json(&text).unwrap().components().len(), 2);
     done(
@@ -177,6 +194,22 @@ fn what_a_mixture_cannot_do_is_said_with_the_way_out() {
         1,
         &["learn", "slow", "fast", "--kinds", "4", "-o", "w.json"],
     );
+    // Folders of one name are not one kind, and two recordings are none.
+    std::fs::create_dir_all(at.join("other/slow")).unwrap();
+    std::fs::create_dir(at.join("few")).unwrap();
+    for m in 0..2 {
+        let from = at.join(format!("slow/{m}.csv"));
+        std::fs::copy(&from, at.join(format!("other/slow/{m}.csv"))).unwrap();
+        std::fs::copy(&from, at.join(format!("few/{m}.csv"))).unwrap();
+    }
+    for (folders, told) in [
+        (["slow", "other/slow"], "two folders named `slow`"),
+        (["slow", "few"], "2 recordings of a kind"),
+    ] {
+        let common = ["--kinds", "folders", "-o", "w.json"];
+        let words = fails(at, 2, &[&["learn"], &folders[..], &common].concat());
+        assert!(words.contains(told), "{words}");
+    }
 }
 
 #[test]

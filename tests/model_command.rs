@@ -16,6 +16,58 @@ fn model(path: &Path) -> FourierMovementPrimitive {
     FourierMovementPrimitive::from_json(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
+/// Two joints that hang for a second, are raised, wave for five, are lowered.
+fn uncut(number: u64) -> String {
+    let raised = |t: f64| {
+        let x = (t - 1.0).min(9.0 - t).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    };
+    let frequency = 1.5 + 0.02 * number as f64;
+    let swing = |t: f64| {
+        if (2.5..7.5).contains(&t) {
+            1.0 - (std::f64::consts::TAU * frequency * (t - 2.5)).cos()
+        } else {
+            0.0
+        }
+    };
+    let rows = (0..600).map(|n| {
+        let t = n as f64 / 60.0;
+        let (lift, elbow) = (1.9 * raised(t) + 0.1 * swing(t), 0.3 * swing(t) - raised(t));
+        format!("{t:.4},{lift:.6},{elbow:.6}\n")
+    });
+    format!("time_s,lift,elbow\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn what_is_cut_from_a_recording_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for number in 0..6 {
+        std::fs::write(at.join(format!("take{number}.csv")), uncut(number)).unwrap();
+    }
+    let learn = |more: &[&str]| {
+        let arguments = [&["learn", ".", "-o", "model.json"], more].concat();
+        let output = run(at, &arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        (text(&output.stdout), text(&output.stderr))
+    };
+    let (_, notes) = learn(&[]);
+    for number in 0..6 {
+        let name = format!("take{number}.csv: ");
+        let line = notes.lines().find(|line| line.contains(&name)).unwrap();
+        let (_, told) = line.split_once(&name).unwrap();
+        let (used, rest) = told.split_once(' ').unwrap();
+        assert!((4.0..5.5).contains(&used.parse().unwrap()), "{line}");
+        assert!(
+            rest.starts_with("of 9.98 s are a rhythm, and used"),
+            "{line}"
+        );
+        assert!(line.ends_with("one part; --uncut takes all"), "{line}");
+    }
+    let (_, notes) = learn(&["--uncut"]);
+    assert!(!notes.contains("a rhythm"), "{notes}");
+}
+
 #[test]
 fn cycles_are_learned_turned_and_drawn() {
     let folder = tempfile::tempdir().unwrap();

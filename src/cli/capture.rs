@@ -92,6 +92,9 @@ impl Arm {
     }
 }
 
+/// Elbows of skeletons that are known turn about axes within 35 deg of across the arm \[rad\].
+const MOST_ROLL: f64 = 1.0;
+
 /// What a file gives: its arms, and what is to be said about them.
 struct Taken {
     motions: Vec<ArmMotion>,
@@ -123,6 +126,15 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
                     "{}, {} arm: {note}",
                     file.display(),
                     motion.side().name()
+                ));
+            }
+            let roll = motion.hinge_roll();
+            if arguments.hinge_roll.is_none() && roll.abs() > MOST_ROLL {
+                output::warn(format!(
+                    "{}, {} arm: the elbow bends about an axis {} deg off where an elbow's is, so `up` or `forward` of a bone may be wrong",
+                    file.display(),
+                    motion.side().name(),
+                    output::degrees(roll)
                 ));
             }
             words.push(format!(
@@ -179,6 +191,12 @@ fn take(arguments: &Arguments, map: Option<&BoneMap>, file: &Path, text: &[u8]) 
         true => positions(arguments, text)?,
         false => bones(arguments, map, text)?,
     };
+    let ends = [(arguments.from, "--from"), (arguments.to, "--to")];
+    if let Some((_, option)) = ends.iter().find(|(end, _)| end.is_some_and(f64::is_nan)) {
+        return Err(
+            Error::new(ErrorKind::Setting, format!("{option} nan")).expected("a time in seconds")
+        );
+    }
     if arguments.from.is_some() || arguments.to.is_some() {
         let from = arguments.from.unwrap_or(f64::NEG_INFINITY);
         let to = arguments.to.unwrap_or(f64::INFINITY);

@@ -234,10 +234,12 @@ fn paired(comparison: &Comparison) -> String {
                 p.ours.name().to_owned(),
                 p.baseline.name().to_owned(),
                 cell(p.difference, 1.0, 3),
-                match (p.is_clear(), p.difference.value > 0.0) {
+                match (p.is_clear(), p.difference.value) {
+                    // Of ours no draw has a rhythm.
+                    (_, f64::NEG_INFINITY) => "lost".to_owned(),
                     (false, _) => "open".to_owned(),
-                    (true, true) => "won".to_owned(),
-                    (true, false) => "lost".to_owned(),
+                    (true, 0.0..) => "won".to_owned(),
+                    (true, _) => "lost".to_owned(),
                 },
             ]
         })

@@ -65,12 +65,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let conditioned = primitive.condition(&given)?;
     let distance = primitive.mahalanobis(&given)?;
-    let usual = USUAL * (given.len() as f64).sqrt();
-    if distance > usual {
-        output::warn(format!(
-            "the conditions lie {distance:.1} standard deviations from the demonstrations, more than {usual:.1}: the rest of the wave is extrapolated, moduli exponentially; look at what `undulate sample` draws"
-        ));
-    }
+    warn_if_unusual(distance, given.len(), "the demonstrations");
     output::write(&arguments.output, conditioned.to_json().as_bytes())?;
     let value = json!({
         "model": arguments.output,
@@ -98,6 +93,16 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// What is farther than usual from `whom` is said to be.
+fn warn_if_unusual(distance: f64, conditions: usize, whom: &str) {
+    let usual = USUAL * (conditions as f64).sqrt();
+    if distance > usual {
+        output::warn(format!(
+            "the conditions lie {distance:.1} standard deviations from {whom}, more than {usual:.1}, which is 3 for each at once: the rest of the wave is extrapolated, moduli exponentially; look at what `undulate sample` draws"
+        ));
+    }
+}
+
 /// Conditions every kind, and weighs it by how probable it made what is given; with new names where they are asked for.
 fn of_mixture(mixture: &Mixture, arguments: &Arguments, json: bool) -> Result<Outcome> {
     let mut renamed = mixture.clone();
@@ -121,24 +126,40 @@ fn of_mixture(mixture: &Mixture, arguments: &Arguments, json: bool) -> Result<Ou
     output::write(&arguments.output, conditioned.to_json().as_bytes())?;
     let after = |name: &str| conditioned.component(name).map_or(0.0, |c| c.weight);
     let kinds = renamed.components();
+    let distances = kinds
+        .iter()
+        .map(|c| c.primitive.mahalanobis(given))
+        .collect::<Result<Vec<_>>>()?;
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    warn_if_unusual(nearest, given.len(), "every kind");
     let value = json!({
         "model": arguments.output,
         "given": given.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "kinds": kinds.iter().map(|c| json!({
+        "kinds": kinds.iter().zip(&distances).map(|(c, distance)| json!({
             "name": c.name,
             "weight_before": c.weight,
             "weight": after(&c.name),
+            "mahalanobis_distance": distance,
         })).collect::<Vec<_>>(),
     });
     output::report(json, &value, || {
         let percent = |x: f64| format!("{:.1} %", 100.0 * x);
         let rows: Vec<Vec<String>> = kinds
             .iter()
-            .map(|c| vec![c.name.clone(), percent(c.weight), percent(after(&c.name))])
+            .zip(&distances)
+            .map(|(c, distance)| {
+                let away = if given.is_empty() {
+                    String::new()
+                } else {
+                    format!("{distance:.1} standard deviations")
+                };
+                let weights = [percent(c.weight), percent(after(&c.name))];
+                [&[c.name.clone()][..], &weights, &[away]].concat()
+            })
             .collect();
         format!(
             "{}\nwrote {}",
-            output::table(&["kind", "weight before", "after"], &rows),
+            output::table(&["kind", "weight before", "after", "given, from it"], &rows),
             arguments.output.display()
         )
     });

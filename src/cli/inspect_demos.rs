@@ -38,12 +38,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         codes(json);
         return Ok(Outcome::Done);
     }
-    if arguments.recordings.has_duration() {
+    if let Some(option) = arguments.recordings.about_gestures() {
         return Err(Error::new(
             ErrorKind::Setting,
-            "--duration with recordings that are looked at as they are",
+            format!("{option} with recordings that are looked at as they are"),
         )
-        .expected("no duration"));
+        .expected("it for `learn`"));
     }
     let form = arguments.output.as_deref().map(Form::of).transpose()?;
     let recordings = arguments.recordings.recorded()?;

@@ -1,5 +1,6 @@
 //! `undulate learn --kinds`.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -8,10 +9,15 @@ use serde_json::json;
 use super::learn::Arguments;
 use super::{Outcome, output};
 use crate::error::{Error, ErrorKind, Result};
-use crate::primitive::{ChartForm, Estimator, Example, Grouping, GroupingOptions, Kinds, Mixture};
+use crate::primitive::{
+    ChartForm, Component, Coordinate, Estimator, Example, FourierMovementPrimitive, Grouping,
+    GroupingOptions, Kinds, Mixture,
+};
 
 /// A recording of which its kind is less certain than this is worth a word.
 const CERTAIN: f64 = 0.9;
+/// Recordings that make a kind.
+const FEWEST: usize = 3;
 
 /// Where kinds come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +84,9 @@ pub(super) fn run(
         "kinds": mixture.components().iter().map(|c| json!({
             "name": c.name,
             "weight": c.weight,
+            "frequency_hz": look(&c.primitive).map(|l| l.0),
+            "swing_rad": look(&c.primitive).map(|l| l.1),
+            "swinging_joint": look(&c.primitive).map(|l| l.2),
             "rank": c.primitive.gaussian().rank(),
         })).collect::<Vec<_>>(),
         "demonstrations": names.iter().enumerate().map(|(m, name)| json!({
@@ -110,6 +119,10 @@ pub(super) fn run(
         let mut text = output::table(&["recording", "kind", "probability"], &rows);
         if !grouping.held_out().is_empty() {
             text.push_str(&format!("\n\n{}", numbers(&grouping)));
+            text.push_str("\ntaken are as few as are within the error of the best");
+        }
+        if let Some(looks) = looks(mixture.components()) {
+            text.push_str(&format!("\n\n{looks}"));
         }
         text.push_str(&format!(
             "\n\n{} kinds of wave: {}\nwrote {}",
@@ -120,6 +133,40 @@ pub(super) fn run(
         text
     });
     Ok(Outcome::Done)
+}
+
+/// Median frequency \[Hz\], largest median swing \[rad\] and its joint, of a model of cycles.
+fn look(primitive: &FourierMovementPrimitive) -> Option<(f64, f64, String)> {
+    let frequency = primitive.median(&Coordinate::Frequency).ok()?;
+    let swings = primitive.chart().joints().iter().filter_map(|joint| {
+        let joint = joint.clone();
+        let swing = primitive.median(&Coordinate::Swing {
+            joint: joint.clone(),
+        });
+        Some((swing.ok()?, joint))
+    });
+    let (swing, joint) = swings.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some((frequency, swing, joint))
+}
+
+/// How the kinds wave, where they are of cycles.
+fn looks(components: &[Component]) -> Option<String> {
+    let rows = components
+        .iter()
+        .map(|c| {
+            let (frequency, swing, joint) = look(&c.primitive)?;
+            Some(vec![
+                c.name.clone(),
+                format!("{:.0} %", 100.0 * c.weight),
+                format!("{frequency:.2} Hz"),
+                format!("{} deg of {joint}", output::degrees(swing)),
+            ])
+        })
+        .collect::<Option<Vec<_>>>()?;
+    Some(output::table(
+        &["kind", "weight", "median frequency", "largest swing"],
+        &rows,
+    ))
 }
 
 /// How probable left-out recordings are, by number of kinds.
@@ -151,17 +198,32 @@ fn numbers(grouping: &Grouping) -> String {
 
 /// The names of the folders that files are in.
 fn folders(names: &[String]) -> Result<Vec<String>> {
-    names
-        .iter()
-        .map(|name| {
-            let folder = Path::new(name).parent().and_then(Path::file_name);
-            folder
-                .map(|folder| folder.to_string_lossy().into_owned())
-                .ok_or_else(|| {
-                    Error::new(ErrorKind::Setting, "a recording in no folder of a name")
-                        .expected("--kinds folders, with a folder for each kind")
-                        .at(name.clone())
-                })
-        })
-        .collect()
+    let refuse = |what: String, at: &str| {
+        Error::new(ErrorKind::Setting, what)
+            .expected("--kinds folders, with a folder of its own name, and three recordings at least, for each kind")
+            .at(at.to_owned())
+    };
+    let mut kinds: BTreeMap<String, (&Path, usize)> = BTreeMap::new();
+    let mut of_each = Vec::new();
+    for name in names {
+        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        let Some(kind) = folder.file_name() else {
+            return Err(refuse("a recording in no folder of a name".into(), name));
+        };
+        let kind = kind.to_string_lossy().into_owned();
+        let (first, count) = kinds.entry(kind.clone()).or_insert((folder, 0));
+        if *first != folder {
+            let what = format!("two folders named `{kind}`: {}", first.display());
+            return Err(refuse(what, &folder.display().to_string()));
+        }
+        *count += 1;
+        of_each.push(kind);
+    }
+    match kinds.values().find(|(_, count)| *count < FEWEST) {
+        Some((folder, count)) => Err(refuse(
+            format!("{count} recordings of a kind"),
+            &folder.display().to_string(),
+        )),
+        None => Ok(of_each),
+    }
 }

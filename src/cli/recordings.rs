@@ -1,11 +1,14 @@
 //! The recordings that a verb learns from, as arguments.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
 use super::output;
-use crate::demonstration::{CsvOptions, Demonstrations, Duration, Recording, synthetic};
+use crate::demonstration::{
+    CsvOptions, Demonstrations, Duration, Flag, Inspection, Recording, synthetic,
+};
 use crate::error::{Error, ErrorKind, Result};
 
 /// Recordings, or the synthetic demonstrator.
@@ -56,6 +59,37 @@ enum Drift {
     Slow,
 }
 
+/// Says that recordings may spoil the set, and which verb shows it.
+fn warn_of_findings(recordings: &[Recording]) -> Result<()> {
+    let mut found: BTreeMap<Flag, usize> = BTreeMap::new();
+    let mut spoilt = Vec::new();
+    for recording in recordings {
+        let findings = Inspection::of(recording)?.findings;
+        let flags: BTreeSet<Flag> = findings.iter().map(|finding| finding.flag).collect();
+        let flags: Vec<Flag> = flags.into_iter().filter(|flag| flag.spoils()).collect();
+        if !flags.is_empty() {
+            spoilt.push(recording.name());
+        }
+        for flag in flags {
+            *found.entry(flag).or_default() += 1;
+        }
+    }
+    let Some(first) = spoilt.first() else {
+        return Ok(());
+    };
+    let what: Vec<String> = found
+        .iter()
+        .map(|(flag, count)| format!("{count} {}", flag.code()))
+        .collect();
+    output::warn(format!(
+        "{} of {} recordings, such as {first}, have something to look at ({}): `undulate inspect-demos` shows it",
+        spoilt.len(),
+        recordings.len(),
+        what.join(", ")
+    ));
+    Ok(())
+}
+
 impl Recordings {
     /// Gestures, cut to a common period.
     pub fn demonstrations(&self) -> Result<Demonstrations> {
@@ -75,10 +109,23 @@ impl Recordings {
         self.duration.is_some()
     }
 
+    /// An option that says how gestures are cut and mended, where there is one.
+    pub fn about_gestures(&self) -> Option<&'static str> {
+        let options = [
+            (self.has_duration(), "--duration"),
+            (self.remove_drift.is_some(), "--remove-drift"),
+            (self.uncut, "--uncut"),
+        ];
+        options.iter().find(|(given, _)| *given).map(|o| o.1)
+    }
+
     /// What of the recordings is rhythmic, each at its own length; says what is left out.
     pub fn gestures(&self) -> Result<Vec<Recording>> {
         let recordings = self.recorded()?;
         let synthetic = self.is_synthetic()?;
+        if !synthetic {
+            warn_of_findings(&recordings)?;
+        }
         let mut gestures = Vec::new();
         for recording in recordings {
             if self.uncut || synthetic {
@@ -95,7 +142,7 @@ impl Recordings {
                     recording.span(),
                 );
                 output::note(format!(
-                    "{}: of {all:.2} s the rest is no rhythm; used are {used:.2} s, {}; --uncut takes all",
+                    "{}: {used:.2} of {all:.2} s are a rhythm, and used: {}; --uncut takes all",
                     recording.name(),
                     match found.len() {
                         1 => "one part".to_owned(),

@@ -41,6 +41,13 @@ impl Estimate {
             statistic(&sum)
         };
         let value = mean(&mut (0..count));
+        if !value.is_finite() {
+            return Self {
+                value,
+                lower: f64::NAN,
+                upper: f64::NAN,
+            };
+        }
         if count < 2 {
             return Self {
                 value,

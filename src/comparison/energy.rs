@@ -6,10 +6,13 @@ const FOLLOWERS: usize = 10;
 /// 2 E|X - y| - E|X - X'| - E|y - y'|: the energy distance (Szekely and Rizzo, Journal of Statistical Planning and Inference 143, 2013) of what is drawn to what
 /// was left out, each draw and the demonstration seen in one vector or several. X and X' are of different draws, so over left-out
 /// demonstrations the mean is smallest for the distribution that they come from (Gneiting and Raftery, JASA 102, 2007), and no narrower one gains; the last term is the
-/// same for all models. Draws without a vector are left out.
+/// same for all models. Draws without a vector are left out; where none has any, the distance is infinite.
 pub(super) fn distance(draws: &[Vec<Vec<f64>>], truth: &[Vec<f64>]) -> f64 {
     let draws: Vec<&Vec<Vec<f64>>> = draws.iter().filter(|d| !d.is_empty()).collect();
     let count = draws.len();
+    if count == 0 {
+        return f64::INFINITY;
+    }
     let between = draws.iter().map(|x| mean(x, truth)).sum::<f64>() / count as f64;
     let followers = FOLLOWERS.min(count.saturating_sub(1));
     let pair = |i: usize| (1..=followers).map(move |j| (i, (i + j) % count));
@@ -41,6 +44,13 @@ fn apart(x: &[f64], y: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn draws_without_a_vector_are_left_out_and_of_none_the_distance_is_infinite() {
+        let draws = [vec![], vec![vec![0.0]], vec![]];
+        assert_eq!(distance(&draws, &[vec![1.0]]), 2.0);
+        assert_eq!(distance(&draws[..1], &[vec![1.0]]), f64::INFINITY);
+    }
 
     #[test]
     fn points_measure_as_by_hand_and_a_narrow_model_gains_nothing() {

@@ -164,6 +164,7 @@ impl Comparison {
             )
             .expected("between 0 and 1"));
         }
+        crate::demonstration::common_joints(recordings)?;
         let (usable, unusable) = usable(recordings, options.resolution.cycle_harmonics)?;
         let folds = options.folds.unwrap_or(match usable.len() {
             count if count > MOST_ALONE => FOLDS,
@@ -252,12 +253,11 @@ fn paired(
 ) -> Vec<Paired> {
     let mut paired = Vec::new();
     for (i, distance) in Distance::ALL.into_iter().enumerate() {
+        let value = |m: usize| models[m].distances[i].value;
+        // A model of which no draw has a rhythm is infinitely far.
         let best = (0..models.len())
-            .filter(|m| !models[*m].kind.is_ours())
-            .reduce(|best, m| {
-                let value = |m: usize| models[m].distances[i].value;
-                if value(m) < value(best) { m } else { best }
-            });
+            .filter(|m| !models[*m].kind.is_ours() && value(*m).is_finite())
+            .min_by(|a, b| value(*a).total_cmp(&value(*b)));
         let Some(best) = best else { continue };
         for (ours, model) in models.iter().enumerate().filter(|(_, m)| m.kind.is_ours()) {
             let (theirs, own) = (

@@ -67,7 +67,7 @@ impl Flag {
             Self::NoRhythm => ("no-rhythm", "no two and a half cycles in a row are alike"),
             Self::FewCycles => (
                 "few-cycles",
-                "it goes to and fro, but not two and a half times",
+                "it goes to and fro, but not often enough to be learned",
             ),
             Self::SeveralParts => ("several-parts", "it holds more than one rhythmic part"),
             Self::Gap => ("gap", "samples are missing; the value is for how long [s]"),

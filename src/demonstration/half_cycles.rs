@@ -16,7 +16,7 @@ struct Alike {
 
 /// Where a run begins and ends: raising and lowering the arm look like half a cycle, but do not come back.
 const AT_ENDS: Alike = Alike {
-    length: 1.3,
+    length: 1.4,
     height: 2.0,
     drift: 0.45,
 };

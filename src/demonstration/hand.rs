@@ -1,6 +1,7 @@
 //! Where the hand is: the path along which a person waves, whatever the angles of the shoulder do near their singularity.
 
 use std::borrow::Cow;
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::DMatrix;
 
@@ -13,6 +14,9 @@ const NEEDED: usize = 4;
 
 /// Upper arm, forearm and hand as shares of the arm, which is 1 long.
 const LENGTHS: [f64; 3] = [0.41, 0.35, 0.24];
+
+/// Angles in files are rounded, to tenths of a degree at worst \[rad\].
+const ROUNDED: f64 = 2e-3;
 
 /// By this factor; far from both singularities the two paths are about as long.
 const CLEARLY: f64 = 0.8;
@@ -32,8 +36,9 @@ pub(super) struct Arm {
     pub second: usize,
 }
 
-/// The arm, if the joints are a person's. Its shoulder turns by flexion, abduction, rotation, unless by the other order in use,
-/// abduction first, the fingertips travel clearly less: jumps near the singularity of that order make the first path longer.
+/// The arm, if the joints are a person's. Its shoulder turns by flexion, abduction, rotation, or by the other order in use, abduction first.
+/// The second angle in turn is within a quarter turn, the first may be beyond it, and so tells. Where neither is, or both are, it is the other
+/// order if by that the fingertips travel clearly less: jumps near the singularity make the path longer by the wrong one.
 pub(super) fn arm(recording: &Recording) -> Option<Arm> {
     let columns = columns(&recording.joints)?;
     let travelled = |path: &DMatrix<f64>| -> f64 {
@@ -51,18 +56,19 @@ pub(super) fn arm(recording: &Recording) -> Option<Arm> {
         }
         path
     };
-    let (flexed, abducted) = (along(false), along(true));
     let [flexion, abduction] = [columns[0]?, columns[1]?];
-    Some(if travelled(&abducted) < CLEARLY * travelled(&flexed) {
-        Arm {
-            path: abducted,
-            second: flexion,
-        }
-    } else {
-        Arm {
-            path: flexed,
-            second: abduction,
-        }
+    let is_far = |joint: usize| {
+        let mut angles = recording.positions.column(joint).into_iter();
+        angles.any(|angle| angle.abs() > FRAC_PI_2 + ROUNDED)
+    };
+    let abducts_first = match (is_far(flexion), is_far(abduction)) {
+        (true, false) => false,
+        (false, true) => true,
+        _ => travelled(&along(true)) < CLEARLY * travelled(&along(false)),
+    };
+    Some(Arm {
+        path: along(abducts_first),
+        second: if abducts_first { flexion } else { abduction },
     })
 }
 
@@ -125,7 +131,22 @@ fn fingertips(angles: [f64; 7], abducts_first: bool) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::PI;
+
+    /// Abduction may be beyond a quarter turn where it comes first, flexion where that does.
+    #[test]
+    fn the_angle_beyond_a_quarter_turn_comes_first() {
+        for (flexion, abduction, second) in [(0.3, 1.8, 0), (2.5, 0.4, 1)] {
+            let times: Vec<f64> = (0..50).map(|n| 0.02 * f64::from(n)).collect();
+            let positions = DMatrix::from_fn(50, 4, |n, d| {
+                let swing = 0.2 * (9.0 * times[n]).sin();
+                [flexion, abduction, 0.1, 1.0][d] + if d == second { swing } else { 0.0 }
+            });
+            let joints = Joints::new(ARM_ANGLES[..4].iter().copied()).unwrap();
+            let recording = Recording::new("arm", joints, times, positions).unwrap();
+            assert_eq!(arm(&recording).unwrap().second, second);
+        }
+    }
 
     /// Forward, sideways, the forearm up; and raised by either order.
     #[test]

@@ -19,6 +19,8 @@ const FASTEST_JOINT: f64 = 20.0;
 const NEAR_SINGULAR: f64 = 0.25;
 /// A joint that goes no farther than this stands still \[rad\].
 const STANDS_STILL: f64 = 1e-3;
+/// Of fewer cycles it cannot be told how they vary.
+const FEWEST_CYCLES: f64 = 3.0;
 /// Harmonics a cycle, of so many cycles at most, that the leakage is of.
 const HARMONICS: usize = 4;
 const LEAKAGE_CYCLES: f64 = 10.0;
@@ -74,6 +76,7 @@ impl Inspection {
         // A rhythm in which gaps leave no two cycles in a row is found, and cannot be measured.
         let rhythm = most.and_then(|part| Rhythm::of(&unwrapped, part).ok());
 
+        let is_short = rhythm.is_none() && most.is_some_and(|part| part.cycles < FEWEST_CYCLES);
         let mut findings = Vec::new();
         let mut add = |flag, time, joint: Option<usize>, value| {
             findings.push(Finding {
@@ -86,6 +89,7 @@ impl Inspection {
         match parts.len() {
             0 if goes_to_and_fro(&seen) => add(Flag::FewCycles, None, None, 0.0),
             0 => add(Flag::NoRhythm, None, None, 0.0),
+            _ if is_short => add(Flag::FewCycles, None, None, 0.0),
             1 => {}
             count => add(Flag::SeveralParts, None, None, count as f64),
         }

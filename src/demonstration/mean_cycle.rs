@@ -31,10 +31,14 @@ impl MeanCycle {
         let (times, positions) = (&recording.times, &recording.positions);
         let span = recording.span();
         let tempo = recording.tempo();
-        check(recording, tempo, harmonics)?;
+        let told = |error: Error| match error.kind() {
+            ErrorKind::Infeasible => drowned(recording).unwrap_or(error),
+            _ => error,
+        };
+        check(recording, tempo, harmonics).map_err(told)?;
         let start = recording.first(LONGEST);
         let near = steady::frequency(&start.times, &start.positions, tempo, harmonics);
-        check(recording, near, harmonics)?;
+        check(recording, near, harmonics).map_err(told)?;
 
         let windows = demodulation::demodulate(&recording.without_drift(), near);
         if demodulation::a_cycle_apart(&windows).len() < CENTRES / 2 {
@@ -95,6 +99,21 @@ impl MeanCycle {
             },
         })
     }
+}
+
+/// What is slow has the most energy, though there is a rhythm.
+fn drowned(recording: &Recording) -> Option<Error> {
+    let parts = recording.rhythmic_parts();
+    let most = parts.iter().max_by(|a, b| a.cycles.total_cmp(&b.cycles))?;
+    (most.cycles >= FEWEST_CYCLES).then(|| {
+        let what = format!(
+            "posture moves more than the rhythm of {:.2} Hz does",
+            most.frequency
+        );
+        Error::new(ErrorKind::Infeasible, what)
+            .expected("three cycles of what moves most")
+            .help("take out what is slow (--remove-drift=slow)")
+    })
 }
 
 fn no_rhythm(frequency: f64, explained: f64) -> Error {

@@ -141,7 +141,7 @@ impl Demonstrations {
 }
 
 /// The joints that all recordings have.
-fn common_joints(recordings: &[Recording]) -> Result<Joints> {
+pub(crate) fn common_joints(recordings: &[Recording]) -> Result<Joints> {
     let Some(first) = recordings.first() else {
         return Err(Error::new(ErrorKind::Shape, "no recordings")
             .expected("at least two")

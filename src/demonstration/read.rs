@@ -55,20 +55,28 @@ impl Recording {
     pub fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
         let entries = std::fs::read_dir(folder).map_err(|e| Error::io(folder, &e))?;
         let mut files = Vec::new();
+        let mut is_captured = false;
         for entry in entries {
             let path = entry.map_err(|e| Error::io(folder, &e))?.path();
-            if path
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case("csv"))
-            {
+            let is = |kind: &str| {
+                path.extension()
+                    .is_some_and(|e| e.eq_ignore_ascii_case(kind))
+            };
+            is_captured |= is("bvh");
+            if is("csv") {
                 files.push(path);
             }
         }
         files.sort();
         if files.is_empty() {
-            return Err(Error::new(ErrorKind::Shape, "no CSV files")
+            let error = Error::new(ErrorKind::Shape, "no CSV files")
                 .expected("one file a demonstration")
-                .at(folder.display().to_string()));
+                .at(folder.display().to_string());
+            return Err(if is_captured {
+                error.help("`undulate capture` makes them of BVH files")
+            } else {
+                error
+            });
         }
         Ok(files)
     }

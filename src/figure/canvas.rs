@@ -59,6 +59,16 @@ fn rgba(color: Color) -> RGBAColor {
     RGBAColor(red, green, blue, color.alpha)
 }
 
+/// Whether of three points the second is a turn of more than a right angle.
+fn turns_back(spots: &[(i32, i32)]) -> bool {
+    let way = |n: usize| {
+        let ((a, b), (c, d)) = (spots[n], spots[n + 1]);
+        [i64::from(c) - i64::from(a), i64::from(d) - i64::from(b)]
+    };
+    let [p, q] = [way(0), way(1)];
+    p[0] * q[0] + p[1] * q[1] < 0
+}
+
 fn failed(error: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::Infeasible, error.to_string())
 }
@@ -89,7 +99,17 @@ impl<B: DrawingBackend> Canvas<'_, B> {
             filled: false,
             stroke_width,
         };
-        self.backend.draw_path(spots, &style).map_err(failed)
+        // Of a bitmap lines that turn back would end in spikes as long as the turn is sharp.
+        let mut first = 0;
+        for n in 1..spots.len() {
+            let is_last = n + 1 == spots.len();
+            if is_last || (!self.keeps_text && turns_back(&spots[n - 1..=n + 1])) {
+                let piece = spots[first..=n].to_vec();
+                self.backend.draw_path(piece, &style).map_err(failed)?;
+                first = n;
+            }
+        }
+        Ok(())
     }
 
     /// A filled polygon.

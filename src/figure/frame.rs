@@ -121,7 +121,17 @@ pub(crate) fn draw_grid<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws the axes with their ticks, the labels and the title.
+/// Draws the title.
+pub(crate) fn draw_title<B: DrawingBackend>(
+    panel: &Panel<'_>,
+    canvas: &mut Canvas<'_, B>,
+) -> Result<()> {
+    let (text, area) = (panel.text, panel.area);
+    let above = (area.left, area.top - 0.6 * text);
+    canvas.text(&panel.plot.title, above, 1.1 * text, Anchor::Start, false)
+}
+
+/// Draws the axes with their ticks and labels.
 pub(crate) fn draw_axes<B: DrawingBackend>(
     panel: &Panel<'_>,
     canvas: &mut Canvas<'_, B>,
@@ -162,7 +172,5 @@ pub(crate) fn draw_axes<B: DrawingBackend>(
     let below = (middle, bottom + 2.5 * text);
     canvas.text(&panel.plot.x_label, below, text, Anchor::Middle, false)?;
     let beside = (panel.cell_left + 1.15 * text, centre);
-    canvas.text(&panel.plot.y_label, beside, text, Anchor::Middle, true)?;
-    let above = (left, top - 0.6 * text);
-    canvas.text(&panel.plot.title, above, 1.1 * text, Anchor::Start, false)
+    canvas.text(&panel.plot.y_label, beside, text, Anchor::Middle, true)
 }

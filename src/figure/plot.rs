@@ -4,7 +4,7 @@ use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::figure::canvas::Canvas;
-use crate::figure::frame::{draw_axes, draw_grid, give_headroom, layout};
+use crate::figure::frame::{draw_axes, draw_grid, draw_title, give_headroom, layout};
 use crate::figure::image::{Color, Image, MAX_SIDE};
 use crate::figure::legend::Legend;
 use crate::figure::trace::{self, Panel};
@@ -170,11 +170,17 @@ fn draw_panels<B: DrawingBackend>(
         keeps_text,
     };
     for panel in panels {
-        draw_grid(panel, &mut canvas)?;
-        for series in &panel.plot.series {
-            trace::draw_series(panel, series, &mut canvas)?;
+        draw_title(panel, &mut canvas)?;
+        let series = &panel.plot.series;
+        // A panel of labels alone is a key, and has no axes.
+        let is_key = !series.is_empty() && series.iter().all(|s| s.mark.points().next().is_none());
+        if !is_key {
+            draw_grid(panel, &mut canvas)?;
+            for series in series {
+                trace::draw_series(panel, series, &mut canvas)?;
+            }
+            draw_axes(panel, &mut canvas)?;
         }
-        draw_axes(panel, &mut canvas)?;
         if let Some((legend, _)) = Legend::placed(panel)? {
             legend.draw(&mut canvas)?;
         }
@@ -239,6 +245,34 @@ mod tests {
             .filter(|pixel| *pixel == Color::BLUE.rgb)
             .count();
         assert!(blue > 300, "{blue} px of the curve");
+    }
+
+    #[test]
+    fn a_line_that_turns_back_has_no_spike_in_a_bitmap() {
+        let mut sharp = plot(vec![(0.0, 0.0), (1.0, 1.0), (1.002, 0.0)]);
+        sharp.x_range = Some((0.0, 2.0));
+        sharp.y_range = Some((0.0, 4.0));
+        sharp.series[0].label.clear();
+        let image = decoded(&draw(&[sharp], 1, (400, 400)).unwrap());
+        let highest = image
+            .pixels
+            .chunks_exact(3)
+            .position(|pixel| *pixel == Color::BLUE.rgb)
+            .unwrap() as u32
+            / image.width;
+        // The turn is at a quarter of the axis; a miter would stand out by a hundred pixels.
+        assert!(highest > 240, "row {highest}");
+    }
+
+    #[test]
+    fn a_key_has_labels_and_no_axes() {
+        let svg = draw(&[plot(Vec::new())], 1, (400, 300)).unwrap().svg;
+        assert!(svg.contains("sample one") && svg.contains("(a) Elbow"));
+        assert!(!svg.contains("Time (s)"), "{svg}");
+        let svg = draw(&[plot(vec![(0.0, 1.0), (2.0, 3.0)])], 1, (400, 300))
+            .unwrap()
+            .svg;
+        assert!(svg.contains("Time (s)"));
     }
 
     #[test]

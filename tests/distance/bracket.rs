@@ -50,9 +50,14 @@ pub fn bracket(case: &Case) -> Result<f64, TestCaseError> {
             .inverse_transform_point(&found.points[i])
             .coords;
         let outside = match (&case.shapes[i], case.shapes[i].parry()) {
-            (Drawn::Points(_), Some(hull)) => {
-                let point = parry3d::math::Vector::new(own.x, own.y, own.z);
-                hull.distance_to_local_point(point, true)
+            (Drawn::Points(points), Some(hull)) => {
+                let beyond = |p: &V| {
+                    let point = parry3d::math::Vector::new(p.x, p.y, p.z);
+                    hull.distance_to_local_point(point, true)
+                };
+                // Of points that nearly coincide parry keeps one: its hull is smaller by as much.
+                let lost = points.iter().map(beyond).fold(0.0, f64::max);
+                beyond(&own) - lost
             }
             (shape, _) => shape.outside(&own).unwrap_or(0.0),
         };

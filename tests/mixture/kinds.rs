@@ -118,3 +118,29 @@ fn real_sets_are_not_mixed_up() {
     println!("{:?}", found.held_out());
     assert!(agrees(&found, &labels), "{}", found.responsibilities());
 }
+
+#[test]
+fn kinds_do_not_depend_on_the_order_of_recordings() {
+    let forward = slow_and_fast(2);
+    let backward: Vec<_> = forward.iter().rev().cloned().collect();
+    for kinds in [Kinds::Number(3), Kinds::UpTo(2)] {
+        let (fits, _) = cycles(&forward);
+        let first = find(&fits, kinds);
+        let (turned, _) = cycles(&backward);
+        let second = find(&turned, kinds);
+        // The kind by the other order, as a label.
+        let labels: Vec<usize> = fits
+            .fits()
+            .iter()
+            .map(|fit| {
+                turned
+                    .fits()
+                    .iter()
+                    .position(|t| t.name == fit.name)
+                    .unwrap()
+            })
+            .map(|m| second.kind(m))
+            .collect();
+        assert!(agrees(&first, &labels), "{labels:?}");
+    }
+}

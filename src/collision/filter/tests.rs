@@ -2,10 +2,10 @@
 
 use fearless_simd::{Level, dispatch};
 use nalgebra::Vector3;
-use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 use super::*;
-use crate::stream;
 
 type Segment = [Vector3<f64>; 2];
 
@@ -36,7 +36,7 @@ fn distance(a: &Segment, b: &Segment) -> f64 {
 
 #[test]
 fn the_gap_of_two_segments_is_their_distance() {
-    let mut rng = stream(6, 0);
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
     for _ in 0..200 {
         // Of different lengths, some beside each other and some not.
         let mut segment = |length: f64, far: f64| -> Segment {

@@ -8,7 +8,8 @@ use super::PhaseForm;
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::primitive) struct Phases {
     form: PhaseForm,
-    reference: usize,
+    /// Where phases are relative.
+    reference: Option<usize>,
     harmonics: usize,
     /// The branch of entry i is (c_i - pi, c_i + pi]. Fixed at learning, and never moved: else the order of observations mattered.
     centres: Arc<[f64]>,
@@ -32,7 +33,7 @@ impl Phases {
         Self {
             locked,
             form,
-            reference,
+            reference: (form == PhaseForm::Relative).then_some(reference),
             harmonics,
             centres: centres.into(),
         }
@@ -48,7 +49,7 @@ impl Phases {
 
     /// The reference joint, where phases are relative.
     pub fn reference(&self) -> Option<usize> {
-        (self.form == PhaseForm::Relative).then_some(self.reference)
+        self.reference
     }
 
     pub fn about(&self, centres: Vec<f64>) -> Self {

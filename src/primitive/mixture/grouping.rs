@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use rand::seq::SliceRandom;
 
 use super::expectation::{Maximum, maximize};
-use super::starts::Distances;
+use super::starts::{Distances, sorted};
 use crate::error::{Error, ErrorKind, Result};
 use crate::primitive::chart::ChartForm;
 use crate::primitive::example::Example;
@@ -13,6 +13,8 @@ use crate::primitive::stream;
 
 /// Of the demonstrations one in so many is left out at a time, to choose the number of kinds.
 const FOLDS: usize = 10;
+/// So many times as many starts find what is kept: in many dimensions each comes to an end of its own.
+const MORE: u64 = 10;
 
 /// How many kinds there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +78,7 @@ impl Grouping {
         let all = vec![true; examples.len()];
         match options.kinds {
             Kinds::Number(kinds) => {
-                let maximum = search(&charted, &all, kinds, options)?;
+                let maximum = search(&charted, &all, kinds, &last(options))?;
                 Ok(Self::of(maximum, Vec::new()))
             }
             Kinds::UpTo(most) => {
@@ -85,7 +87,7 @@ impl Grouping {
                     .iter()
                     .find(|h| h.less_than_best <= h.error)
                     .map_or(1, |h| h.kinds);
-                let maximum = search(&charted, &all, chosen, options)?;
+                let maximum = search(&charted, &all, chosen, &last(options))?;
                 Ok(Self::of(maximum, held_out))
             }
         }
@@ -193,6 +195,14 @@ fn letters(mut number: usize) -> String {
     }
 }
 
+/// With more starts, for what is kept.
+fn last(options: &GroupingOptions) -> GroupingOptions {
+    GroupingOptions {
+        starts: MORE * options.starts,
+        ..*options
+    }
+}
+
 /// The most probable outcome of all starts.
 fn search(
     charted: &Charted,
@@ -247,7 +257,7 @@ fn search(
 /// 1, 2 and so on as long as there are enough demonstrations of each kind, each scored by demonstrations that were left out.
 fn numbers(charted: &Charted, most: usize, options: &GroupingOptions) -> Result<Vec<HeldOutKinds>> {
     let count = charted.vectors.len();
-    let mut order: Vec<usize> = (0..count).collect();
+    let mut order = sorted(charted);
     // From the end, so that no start uses the same numbers.
     order.shuffle(&mut stream(options.seed, u64::MAX));
     let folds = FOLDS.min(count);

@@ -1,11 +1,26 @@
 //! Where expectation maximisation starts: k-means++ (Arthur and Vassilvitskii, SODA 2007).
 
+use std::cmp::Ordering;
+
 use nalgebra::DMatrix;
 use rand::RngExt;
 
 use crate::primitive::chart::principal;
 use crate::primitive::scatter::Charted;
 use crate::primitive::stream;
+
+/// Demonstrations by what they are: in whatever order they come, the same is drawn.
+pub(super) fn sorted(charted: &Charted) -> Vec<usize> {
+    let mut all: Vec<usize> = (0..charted.vectors.len()).collect();
+    all.sort_by(|m, j| {
+        let [x, y] = [m, j].map(|m| charted.vectors[*m].iter());
+        x.zip(y)
+            .map(|(x, y)| x.total_cmp(y))
+            .find(|order| order.is_ne())
+            .unwrap_or(Ordering::Equal)
+    });
+    all
+}
 
 /// Squared distances between demonstrations, in standard deviations of all that take part; phases the short way round, uniform ones left out.
 pub(super) struct Distances {
@@ -35,8 +50,12 @@ impl Distances {
                 })
                 .sum()
         });
-        let present = (0..count).filter(|m| present[*m]).collect();
-        Self { squared, present }
+        let mut present_ones = sorted(charted);
+        present_ones.retain(|m| present[*m]);
+        Self {
+            squared,
+            present: present_ones,
+        }
     }
 
     /// Responsibilities (M x C), each demonstration of the kind whose centre is nearest; the centres are demonstrations, drawn one after the other by their
