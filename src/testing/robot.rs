@@ -22,8 +22,8 @@ use crate::simulation::Simulation;
 /// let robot = shipped::robot("wave_arm")?;
 /// let map = shipped::map("wave_arm_demonstrator")?;
 /// proptest!(ProptestConfig::with_cases(8), |(wave in waves_of(&greeting))| {
-///     // Half as large as it was demonstrated.
-///     let small = wave.scaled(&vec![0.5; wave.joints().len()])?;
+///     // A tenth as large as it was demonstrated.
+///     let small = wave.scaled(&vec![0.1; wave.joints().len()])?;
 ///     keeps_limits(&robot, &map.apply(&small, &robot)?)?;
 /// });
 /// # Ok::<(), undulate::Error>(())
