@@ -50,12 +50,11 @@ impl Distances {
                 })
                 .sum()
         });
-        let mut present_ones = sorted(charted);
-        present_ones.retain(|m| present[*m]);
-        Self {
-            squared,
-            present: present_ones,
-        }
+        let present = sorted(charted)
+            .into_iter()
+            .filter(|m| present[*m])
+            .collect();
+        Self { squared, present }
     }
 
     /// Responsibilities (M x C), each demonstration of the kind whose centre is nearest; the centres are demonstrations, drawn one after the other by their
