@@ -10,8 +10,8 @@ use undulate::testing::{
 };
 use undulate::{FourierMovementPrimitive, Gaussian, LearnOptions, synthetic};
 
-/// Whether the call panics, and names the argument.
-fn names(argument: &str, call: impl FnOnce()) {
+/// Whether the call panics, and names the argument; what it says.
+fn names(argument: &str, call: impl FnOnce()) -> String {
     let panic = catch_unwind(AssertUnwindSafe(call)).expect_err(argument);
     let message = panic.downcast_ref::<String>().cloned();
     let message = message.or(panic.downcast_ref::<&str>().map(|m| (*m).to_owned()));
@@ -20,6 +20,7 @@ fn names(argument: &str, call: impl FnOnce()) {
         message.starts_with(argument),
         "expected `{argument}`: {message}"
     );
+    message
 }
 
 #[test]
@@ -110,6 +111,39 @@ fn wrong_arguments_of_assertions_are_named() {
     names("tests", || _ = Family::new(0.1, 0));
     names("rounds", || drop(retest(0.1, 0, 9, |_| (), |(), _| Ok(()))));
     names("rounds", || drop(retest(0.5, 9, 9, |_| (), |(), _| Ok(()))));
+}
+
+/// An assertion about numbers, or about the vectors of one entry that they are.
+type Assertion<'a> = &'a dyn Fn(&[f64], &[DVector<f64>]);
+
+/// What is said to be needed is enough, and one less is not.
+#[test]
+fn too_few_samples_are_told_how_many_are_needed() {
+    let line = Gaussian::new(dvector![0.5], dmatrix![1.0]).unwrap();
+    let assertions: [Assertion; 10] = [
+        &|_, x| drop(gaussian(x, &line, 0.01)),
+        &|_, x| drop(mean(x, line.mean(), 0.01)),
+        &|_, x| drop(covariance(x, &dmatrix![1.0], 0.01)),
+        &|x, _| drop(bounded_mean(x, (0.0, 1.0), 0.5, 0.01)),
+        &|x, _| drop(distribution(x, |x| x, 0.01)),
+        &|x, _| drop(quantile(x, 0.2, 0.5, 0.01)),
+        &|x, _| drop(circular_mean(x, 0.5, 0.2, 0.01)),
+        &|x, _| drop(circular_spread(x, 0.5, 0.2, 0.01)),
+        &|x, _| drop(independence(x, x, 0.01)),
+        &|_, x| drop(energy(x, x, 99, Seed(0), 0.01)),
+    ];
+    for assertion in assertions {
+        let asked = |n: usize| {
+            let numbers = vec![0.5; n];
+            let vectors: Vec<DVector<f64>> = numbers.iter().map(|x| dvector![*x]).collect();
+            assertion(&numbers, &vectors);
+        };
+        let told = names("samples", || asked(2));
+        let (_, needed) = told.split_once("at least ").expect("a number");
+        let needed: usize = needed.split(' ').next().unwrap().parse().unwrap();
+        asked(needed);
+        names("samples", || asked(needed - 1));
+    }
 }
 
 #[test]

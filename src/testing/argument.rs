@@ -2,6 +2,11 @@
 
 use std::ops::RangeInclusive;
 
+use super::law::first_count;
+
+/// No test has more samples.
+const LARGEST: usize = 1 << 50;
+
 /// Panics unless `value` is a probability strictly between 0 and 1.
 #[track_caller]
 pub(super) fn require_probability(name: &str, value: f64) {
@@ -20,13 +25,25 @@ pub(super) fn require_samples(samples: usize, least: usize) {
     );
 }
 
-/// Panics when so many samples tell less than they should.
+/// Panics when so many samples tell less than they should, with the number that would do: the first that `is_telling`, as all after it are.
 #[track_caller]
-pub(super) fn require_telling(is_telling: bool, samples: usize, unnoticed: &str) {
+pub(super) fn require_telling(samples: usize, unnoticed: &str, is_telling: impl Fn(usize) -> bool) {
     assert!(
-        is_telling,
-        "samples: {samples} are too few, {unnoticed} could pass unnoticed"
+        is_telling(samples),
+        "samples: {samples} are too few, {unnoticed} could pass unnoticed; at least {} are needed",
+        least_telling(samples, is_telling)
     );
+}
+
+/// The first number of samples above one that is too small.
+pub(super) fn least_telling(samples: usize, is_telling: impl Fn(usize) -> bool) -> u64 {
+    let mut enough = 2 * samples;
+    while !is_telling(enough) && enough < LARGEST {
+        enough *= 2;
+    }
+    first_count(enough as u64, |n| {
+        n as usize > samples && is_telling(n as usize)
+    })
 }
 
 /// Panics when a range of counts is empty or starts below `least`.

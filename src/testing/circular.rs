@@ -6,6 +6,8 @@
 //! Hoeffding's bounds for means of bounded numbers (JASA 58, 1963, theorem 1, and 3 for those of a known largest variance): they hold at
 //! any N and for any distribution of angles with that moment.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::alarm::{Alarm, Power};
 use super::argument::{require_probability, require_samples, require_telling};
 use super::law::{Bounded, MISS, crossing};
@@ -51,21 +53,19 @@ pub fn circular_mean(
         mean,
         variance: 1.0 - resultant * resultant,
     };
-    let most = about(0.0).upper(n, tail);
-    let needed = -MISS.ln() / n as f64;
-    let passes = |off: f64| {
+    let most = |n| about(0.0).upper(n, tail);
+    let passes = |off: f64, n: usize, most: f64| {
         let sine = resultant * off.sin();
-        sine <= most || about(sine).rate(most) < needed
+        sine <= most || about(sine).rate(most) < -MISS.ln() / n as f64
     };
-    require_telling(
-        !passes(std::f64::consts::FRAC_PI_2),
-        n,
-        "a mean direction that is off by a right angle",
-    );
+    require_telling(n, "a mean direction that is off by a right angle", |n| {
+        !passes(FRAC_PI_2, n, most(n))
+    });
+    let most = most(n);
     Alarm::unless_finite(angles, n)?;
     let power = || Power {
         of: "a mean direction that is off, in rad, by",
-        smallest: crossing(0.0, std::f64::consts::FRAC_PI_2, passes),
+        smallest: crossing(0.0, FRAC_PI_2, |off| passes(off, n, most)),
     };
     let sine = average(angles, |a| (a - mean).sin());
     Alarm::unless_within("mean direction (sine)", sine, (-most, most), n, power)?;
@@ -105,15 +105,18 @@ pub fn circular_spread(
     let (n, tail) = (angles.len(), false_alarm / 2.0);
     let about = |mean: f64| Bounded::within((-1.0, 1.0), mean);
     let law = about(resultant);
+    let caught = |resultant: f64, n: usize, least: f64| {
+        resultant < least && about(resultant).rate(least) >= -MISS.ln() / n as f64
+    };
+    require_telling(n, "angles of no direction", |n| {
+        caught(0.0, n, law.lower(n, tail))
+    });
     let bounds = (law.lower(n, tail), law.upper(n, tail));
-    let needed = -MISS.ln() / n as f64;
-    let caught = |resultant: f64| resultant < bounds.0 && about(resultant).rate(bounds.0) >= needed;
-    require_telling(caught(0.0), n, "angles of no direction");
     Alarm::unless_finite(angles, n)?;
     let cosine = average(angles, |a| (a - mean).cos());
     Alarm::unless_within("resultant length", cosine, bounds, n, || Power {
         of: "a resultant length that is smaller by",
-        smallest: resultant - crossing(0.0, resultant, caught),
+        smallest: resultant - crossing(0.0, resultant, |r| caught(r, n, bounds.0)),
     })
 }
 

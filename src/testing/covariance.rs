@@ -89,19 +89,19 @@ impl Variances {
     #[track_caller]
     pub fn new(samples: usize, freedom: usize, dimension: usize, false_alarm: f64) -> Self {
         let directions = (dimension * dimension).max(1) as f64;
-        let freedom = freedom as f64;
-        let bounds = chi_squared(freedom, false_alarm / (2.0 * directions));
-        let test = Self {
-            samples,
-            freedom,
-            bounds,
+        let of = |n: usize| {
+            let freedom = (freedom + (n - samples)) as f64;
+            let bounds = chi_squared(freedom, false_alarm / (2.0 * directions));
+            Self {
+                samples: n,
+                freedom,
+                bounds,
+            }
         };
-        require_telling(
-            test.ratio() < LARGEST_RATIO,
-            samples,
-            "a variance four times too large",
-        );
-        test
+        require_telling(samples, "a variance four times too large", |n| {
+            of(n).ratio() < LARGEST_RATIO
+        });
+        of(samples)
     }
 
     /// The smallest ratio of variances, above 1, that is caught; one below 1 is sooner.

@@ -49,9 +49,12 @@ pub(super) fn named(
     require_probability("false_alarm", false_alarm);
     require_samples(samples.len(), 1);
     let n = samples.len();
-    let most = ((2.0 / false_alarm).ln() / (2.0 * n as f64)).sqrt();
-    let caught = most + (-MISS.ln() / (2.0 * n as f64)).sqrt();
-    require_telling(caught < FARTHEST, n, "half of all probability elsewhere");
+    let most = |n: usize| ((2.0 / false_alarm).ln() / (2.0 * n as f64)).sqrt();
+    let caught = |n: usize| most(n) + (-MISS.ln() / (2.0 * n as f64)).sqrt();
+    require_telling(n, "half of all probability elsewhere", |n| {
+        caught(n) < FARTHEST
+    });
+    let (most, caught) = (most(n), caught(n));
     Alarm::unless_finite(&samples, n)?;
     samples.sort_unstable_by(f64::total_cmp);
     let mut statistic: f64 = 0.0;

@@ -5,7 +5,7 @@ use rand::RngExt;
 
 use super::Seed;
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples};
+use super::argument::{least_telling, require_probability, require_samples};
 use super::law::MISS;
 use crate::proportion::lower_bound;
 
@@ -65,12 +65,14 @@ pub fn energy(
     );
     // Deals that differ by more than which set is which.
     let log_factorial = |n: usize| libm::lgamma(n as f64 + 1.0);
-    let deals = log_factorial(samples) - log_factorial(one.len()) - log_factorial(other.len());
+    let log_deals = |n: usize, m: usize| log_factorial(n + m) - log_factorial(n) - log_factorial(m);
+    let are_enough = |n: usize, m: usize| log_deals(n, m) - 2f64.ln() >= -false_alarm.ln();
     assert!(
-        deals - 2f64.ln() >= -false_alarm.ln(),
-        "samples: {} and {} are too few, no deal is as rare as {false_alarm}",
+        are_enough(one.len(), other.len()),
+        "samples: {} and {} are too few, no deal is as rare as {false_alarm}; at least {} of each are needed",
         one.len(),
-        other.len()
+        other.len(),
+        least_telling(one.len().min(other.len()), |n| are_enough(n, n)),
     );
     Alarm::unless_finite(all.iter().flat_map(|x| x.iter()), samples)?;
 

@@ -41,12 +41,17 @@ pub fn independence(x: &[f64], y: &[f64], false_alarm: f64) -> Result<(), Alarm>
         x.len()
     );
     require_samples(x.len(), 2);
+    let pairs = |n: f64| n * (n - 1.0) / 2.0;
+    let most = |n: f64| {
+        let variance = n * (n - 1.0) * (2.0 * n + 5.0) / 18.0;
+        (2.0 * variance * (2.0 / false_alarm).ln()).sqrt() / pairs(n)
+    };
+    let caught = |n: f64| most(n) + (-2.0 * MISS.ln() / (n / 2.0).floor()).sqrt();
+    require_telling(x.len(), "numbers in the same order", |n| {
+        caught(n as f64) < 1.0
+    });
     let n = x.len() as f64;
-    let pairs = n * (n - 1.0) / 2.0;
-    let variance = n * (n - 1.0) * (2.0 * n + 5.0) / 18.0;
-    let most = (2.0 * variance * (2.0 / false_alarm).ln()).sqrt() / pairs;
-    let caught = most + (-2.0 * MISS.ln() / (n / 2.0).floor()).sqrt();
-    require_telling(caught < 1.0, x.len(), "numbers in the same order");
+    let (pairs, most, caught) = (pairs(n), most(n), caught(n));
     Alarm::unless_finite(x.iter().chain(y), x.len())?;
     let mut agreeing = 0.0;
     for i in 0..x.len() {

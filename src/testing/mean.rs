@@ -44,14 +44,19 @@ pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> 
         "samples: of another dimension than the mean, which has {dimension}"
     );
     require_samples(samples.len(), dimension + 1);
-    let (n, d) = (samples.len() as f64, dimension as f64);
-    let f = fisher_above(d, n - d, false_alarm);
-    let most = f * d * (n - 1.0) / (n - d);
+    let d = dimension as f64;
+    // What is above them with that probability, of F and of T^2.
+    let most = |n: f64| {
+        let f = fisher_above(d, n - d, false_alarm);
+        (f, f * d * (n - 1.0) / (n - d))
+    };
     require_telling(
-        (most / n).sqrt() < FARTHEST_MEAN,
         samples.len(),
         "a mean that is off by two standard deviations",
+        |n| (most(n as f64).1 / n as f64).sqrt() < FARTHEST_MEAN,
     );
+    let n = samples.len() as f64;
+    let (f, most) = most(n);
     Alarm::unless_finite(samples.iter().flat_map(|x| x.iter()), samples.len())?;
     let (average, scatter) = moments(samples);
     let deviation = average - mean;
@@ -121,12 +126,12 @@ pub fn bounded_mean(
     }
     let law = Bounded::within(support, mean);
     let tail = false_alarm / 2.0;
-    let bounds = (law.lower(n, tail), law.upper(n, tail));
-    require_telling(
-        bounds.0 > low || bounds.1 < high,
-        n,
-        "a mean at either end of the support",
-    );
+    let bounds = |n| (law.lower(n, tail), law.upper(n, tail));
+    require_telling(n, "a mean at either end of the support", |n| {
+        let (lower, upper) = bounds(n);
+        lower > low || upper < high
+    });
+    let bounds = bounds(n);
     let average = samples.iter().sum::<f64>() / n as f64;
     Alarm::unless_within("mean", average, bounds, n, || power(&law, bounds, n))
 }

@@ -44,12 +44,16 @@ pub fn quantile(
             Power::CERTAIN
         })?;
     }
-    let (fewest, most) = accepted(n, probability, tail);
     require_telling(
-        fewest > 0 && most < n,
         samples.len(),
         "a value that is below all samples, or above them,",
+        |n| {
+            let n = n as u64;
+            let (fewest, most) = accepted(n, probability, tail);
+            fewest > 0 && most < n
+        },
     );
+    let (fewest, most) = accepted(n, probability, tail);
     let power = || Power {
         of: "a probability of what is below that is off by",
         smallest: (upper_bound(most, n, MISS) - probability)
