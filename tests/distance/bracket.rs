@@ -5,7 +5,7 @@ use proptest::test_runner::TestCaseError;
 use rand::RngExt;
 use undulate::{Warm, intersects, rough_separation, separation, signed_distance, stream};
 
-use super::drawn::{Case, Drawn, V};
+use super::drawn::{Case, Drawn, V, from_triangles};
 
 /// What distances are right to \[m\].
 pub const EXACT: f64 = 1e-9;
@@ -51,15 +51,16 @@ pub fn bracket(case: &Case) -> Result<f64, TestCaseError> {
             .coords;
         let outside = match (&case.shapes[i], case.shapes[i].parry()) {
             (Drawn::Points(points), Some(hull)) => {
-                let beyond = |p: &V| {
-                    let point = parry3d::math::Vector::new(p.x, p.y, p.z);
-                    hull.distance_to_local_point(point, true)
-                };
-                // Of points that nearly coincide parry keeps one: its hull is smaller by as much.
-                let lost = points.iter().map(beyond).fold(0.0, f64::max);
-                beyond(&own) - lost
+                let point = parry3d::math::Vector::new(own.x, own.y, own.z);
+                let beyond = hull.distance_to_local_point(point, true);
+                // Of points that nearly coincide parry keeps one, and its hull is smaller by as much.
+                if beyond > EXACT {
+                    from_triangles(points, &own)
+                } else {
+                    beyond
+                }
             }
-            (shape, _) => shape.outside(&own).unwrap_or(0.0),
+            (shape, _) => shape.outside(&own),
         };
         prop_assert!(outside <= EXACT, "point {} is {:e} outside", i, outside);
     }

@@ -88,9 +88,9 @@ impl Drawn {
         }
     }
 
-    /// How far `p` is outside; `None` where there is no formula.
-    pub fn outside(&self, p: &V) -> Option<f64> {
-        Some(match self {
+    /// How far `p` is outside; of a hull's points how far it is from the surface.
+    pub fn outside(&self, p: &V) -> f64 {
+        match self {
             Self::Box(half) => (p.abs() - half).map(|x| x.max(0.0)).norm(),
             Self::Sphere(radius) => p.norm() - radius,
             Self::Capsule(radius, length) => {
@@ -100,9 +100,40 @@ impl Drawn {
             Self::Cylinder(radius, length) => {
                 (p.xy().norm() - radius).max(p.z.abs() - length / 2.0)
             }
-            Self::Points(_) => return None,
-        })
+            Self::Points(points) => from_triangles(points, p),
+        }
     }
+}
+
+/// How far `p` is from the nearest triangle with corners among the points: 0 on the surface of their hull.
+pub fn from_triangles(points: &[V], p: &V) -> f64 {
+    let mut nearest = f64::INFINITY;
+    for (i, a) in points.iter().enumerate() {
+        for (j, b) in points[..=i].iter().enumerate() {
+            for c in &points[..=j] {
+                nearest = nearest.min(from_triangle([a, b, c], p));
+            }
+        }
+    }
+    nearest
+}
+
+fn from_triangle([a, b, c]: [&V; 3], p: &V) -> f64 {
+    let edges = [(a, b), (b, c), (c, a)];
+    let across = (b - a).cross(&(c - a));
+    if edges
+        .iter()
+        .all(|(a, b)| (*b - *a).cross(&(p - *a)).dot(&across) > 0.0)
+    {
+        return ((p - a).dot(&across) / across.norm()).abs();
+    }
+    let from_edge = |(a, b): &(&V, &V)| {
+        let way = *b - *a;
+        let share = ((p - *a).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        // No number where both ends are one.
+        (p - *a - way * if share.is_nan() { 0.0 } else { share }).norm()
+    };
+    edges.iter().map(from_edge).fold(f64::INFINITY, f64::min)
 }
 
 /// 1 mm to 1 m, evenly over the orders of magnitude.

@@ -54,7 +54,8 @@ const PRINTED: usize = 1000;
 #[derive(Clone)]
 pub struct Hostile<T> {
     value: T,
-    damages: Vec<Damage>,
+    /// What happened, in words.
+    damages: Vec<String>,
 }
 
 impl<T: Deref> Deref for Hostile<T> {
@@ -68,7 +69,7 @@ impl<T: fmt::Debug> fmt::Debug for Hostile<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text: Vec<char> = format!("{:?}", self.value).chars().collect();
         let from = |range: &[char]| range.iter().collect::<String>();
-        write!(f, "{:?} give ", self.damages)?;
+        write!(f, "{}: ", self.damages.join(", then "))?;
         if text.len() <= 2 * PRINTED {
             return f.write_str(&from(&text));
         }
@@ -91,7 +92,8 @@ enum Damage {
 }
 
 impl Damage {
-    fn apply(&self, text: &mut String) {
+    /// What it does to the text, in words.
+    fn apply(&self, text: &mut String) -> String {
         let place = |at: &Index, text: &str| {
             let places: Vec<usize> = text.char_indices().map(|(i, _)| i).collect();
             places
@@ -100,30 +102,45 @@ impl Damage {
                 .unwrap_or(text.len())
         };
         match self {
-            Self::Truncated(at) => text.truncate(place(at, text)),
+            Self::Truncated(at) => {
+                text.truncate(place(at, text));
+                format!("cut off after {} bytes", text.len())
+            }
             Self::LineTwice(at) | Self::LineGone(at) => {
                 let mut lines: Vec<&str> = text.split_inclusive('\n').collect();
                 if lines.is_empty() {
-                    return;
+                    return "no line to change".to_owned();
                 }
                 let line = at.index(lines.len());
-                if matches!(self, Self::LineTwice(_)) {
+                let done = if matches!(self, Self::LineTwice(_)) {
                     lines.insert(line, lines[line]);
+                    "twice"
                 } else {
                     lines.remove(line);
-                }
+                    "gone"
+                };
                 *text = lines.concat();
+                format!("line {} {done}", line + 1)
             }
             Self::Number(at, which) => {
                 let numbers = numbers(text);
-                if !numbers.is_empty() {
-                    let range = numbers[at.index(numbers.len())].clone();
-                    text.replace_range(range, NUMBERS[*which]);
+                if numbers.is_empty() {
+                    return "no number to change".to_owned();
                 }
+                let (range, new) = (numbers[at.index(numbers.len())].clone(), NUMBERS[*which]);
+                let old = text[range.clone()].to_owned();
+                text.replace_range(range.clone(), new);
+                format!("`{old}` at byte {} made `{new}`", range.start)
             }
-            Self::Odd(at, which) => text.insert_str(place(at, text), ODDITIES[*which]),
+            Self::Odd(at, which) => {
+                let (place, odd) = (place(at, text), ODDITIES[*which]);
+                text.insert_str(place, odd);
+                format!("{odd:?} put in at byte {place}")
+            }
             Self::Nested(at, which, times) => {
-                text.insert_str(place(at, text), &OPENINGS[*which].repeat(*times));
+                let (place, opening) = (place(at, text), OPENINGS[*which]);
+                text.insert_str(place, &opening.repeat(*times));
+                format!("`{opening}` put in {times} times at byte {place}")
             }
         }
     }
@@ -166,7 +183,8 @@ fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
 /// ```
 pub fn hostile(text: impl Strategy<Value = String>) -> impl Strategy<Value = Hostile<String>> {
     (text, vec(damage(), 1..=3)).prop_map(|(mut value, damages)| {
-        damages.iter().for_each(|damage| damage.apply(&mut value));
+        let damages = damages.iter().map(|damage| damage.apply(&mut value));
+        let damages = damages.collect();
         Hostile { value, damages }
     })
 }
@@ -202,21 +220,59 @@ pub fn hostile_bytes(
 ) -> impl Strategy<Value = Hostile<Vec<u8>>> {
     let replaced = prop_oneof![Just(Vec::new()), vec((any::<Index>(), any::<u8>()), 1..=4)];
     (hostile(text), replaced).prop_map(|(text, replaced)| {
-        let mut value = text.value.into_bytes();
+        let Hostile { value, mut damages } = text;
+        let mut value = value.into_bytes();
         for (at, byte) in replaced {
             if !value.is_empty() {
                 let i = at.index(value.len());
                 value[i] = byte;
+                damages.push(format!("byte {i} made {byte:#04x}"));
             }
         }
-        let damages = text.damages;
         Hostile { value, damages }
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::strategy::ValueTree;
+    use proptest::test_runner::TestRunner;
+
     use super::*;
+
+    #[test]
+    fn what_happened_is_told_in_words() {
+        // What an index shrinks to is the first.
+        let mut tree = any::<Index>()
+            .new_tree(&mut TestRunner::deterministic())
+            .unwrap();
+        while tree.simplify() {}
+        let first = tree.current();
+        let mut text = "a=1.5\nb\n".to_owned();
+        let told: Vec<String> = [
+            Damage::Number(first, 4),
+            Damage::LineTwice(first),
+            Damage::Odd(first, 0),
+            Damage::Nested(first, 0, 3),
+        ]
+        .iter()
+        .map(|damage| damage.apply(&mut text))
+        .collect();
+        assert_eq!(text, "[[[\0a=nan\na=nan\nb\n");
+        let damages = told;
+        let told = format!(
+            "{:?}",
+            Hostile {
+                value: text,
+                damages
+            }
+        );
+        assert_eq!(
+            told,
+            "`1.5` at byte 2 made `nan`, then line 1 twice, then \"\\0\" put in at byte 0, then `[` put in 3 times at byte 0: \
+             \"[[[\\0a=nan\\na=nan\\nb\\n\""
+        );
+    }
 
     #[test]
     fn numbers_are_found_whole() {
