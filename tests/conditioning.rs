@@ -6,7 +6,7 @@ use rand::distr::Distribution;
 use undulate::testing::{Seed, gaussian};
 use undulate::{
     Estimator, FourierMovementPrimitive, Gaussian, LearnOptions, LinearObservation, Observation,
-    stream, synthetic,
+    OffsetForm, Offsets, stream, synthetic,
 };
 
 #[path = "common/asked.rs"]
@@ -77,6 +77,22 @@ fn structured_covariances_are_conditioned_as_the_textbook_says() {
         agrees(&format!("{estimator}, mixed"), &primitive, &some);
         agrees(&format!("{estimator}, exact"), &primitive, &all_exact);
     }
+}
+
+#[test]
+fn offsets_that_are_learned_as_logarithms_are_conditioned_as_such() {
+    let options = LearnOptions {
+        estimator: kronecker(),
+        offsets: Offsets::ByData,
+        ..LearnOptions::default()
+    };
+    let primitive =
+        FourierMovementPrimitive::learn_with(&synthetic(0).unwrap(), 5, &options).unwrap();
+    let forms = primitive.chart().offset_forms();
+    assert!(forms.iter().any(|form| *form != OffsetForm::Signed));
+    let all = asked(&primitive, |i| mixed(i) + 0.05);
+    let offsets: Vec<Asked> = all.into_iter().skip(4).step_by(5).collect();
+    agrees("logarithmic offsets", &primitive, &offsets);
 }
 
 /// The 14 of the observations that a pivoted QR of the standardised rows A F picks, and the condition number of V = A Sigma A^T for them.

@@ -69,8 +69,8 @@ proptest! {
             }
         }
         // Nor is any beyond a plane, and there no rounding says otherwise.
-        for (normal, offset) in hull.planes().iter().filter(|_| !hull.is_flat()) {
-            prop_assert!(points.iter().all(|p| normal.dot(&p.coords) <= *offset));
+        for (normal, offset) in hull.planes() {
+            prop_assert!(points.iter().all(|p| normal.dot(&p.coords) <= offset));
         }
         // Without any one vertex the hull is another.
         for v in hull.vertices().iter().filter(|_| hull.vertices().len() > 1) {
@@ -185,6 +185,37 @@ fn bounds_of_primitives_hold_them_and_fit() {
         let far = points.iter().map(off).fold(0.0, f64::max);
         // The points are rounded too.
         assert!((far - capsule).abs() < 1e-15, "{shape:?} {far} {capsule}");
+    }
+}
+
+/// Two corners close to each other, opposite to a third: the equations for the centre are nearly the same twice.
+#[test]
+fn balls_of_thin_triangles_are_small() {
+    let far = Point3::new(-0.6389593100002349, 1.5647564309547095, 0.7395849575457081);
+    let near = [
+        Point3::new(0.5331622386397317, -1.5258812184813113, -0.7754613436956757),
+        Point3::new(0.4594652070666392, -1.5298692015697974, -0.822790581989259),
+    ];
+    let hull = Hull::new(&[near[0], far, near[1]]).unwrap();
+    // a b c / (4 area).
+    let sides = [near[0] - far, near[1] - far, near[1] - near[0]];
+    let product: f64 = sides.iter().map(Vector3::norm).product();
+    let circumscribed = product / (2.0 * sides[0].cross(&sides[1]).norm());
+    assert!((hull.bounding_sphere().1 - circumscribed).abs() < 1e-12);
+}
+
+/// A kite whose front is two slivers: only a small triangle at the back tells how it lies.
+#[test]
+fn the_rim_of_a_polygon_faces_outward() {
+    let small = 2f64.powi(-44);
+    let corners = [[-small; 3], [0.0, 0.0, -small], [1.0, 1.0, 0.0], [0.0; 3]];
+    let hull = Hull::new(&corners.map(Point3::from)).unwrap();
+    assert!(hull.is_flat());
+    assert_eq!(hull.planes().len(), 2 + corners.len());
+    for (normal, offset) in hull.planes() {
+        let heights = corners.map(|p| normal.dot(&Vector3::from(p)) - offset);
+        let highest = heights.into_iter().fold(f64::MIN, f64::max);
+        assert!((-1e-12..=0.0).contains(&highest), "{normal}: {highest:e}");
     }
 }
 

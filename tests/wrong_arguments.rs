@@ -133,16 +133,24 @@ fn too_few_samples_are_told_how_many_are_needed() {
         &|_, x| drop(energy(x, x, 99, Seed(0), 0.01)),
     ];
     for assertion in assertions {
+        // True draws for some: what comes after the first test is reached.
         let asked = |n: usize| {
-            let numbers = vec![0.5; n];
-            let vectors: Vec<DVector<f64>> = numbers.iter().map(|x| dvector![*x]).collect();
+            let vectors: Vec<DVector<f64>> = (0..n)
+                .map(|k| line.sample(&mut Seed(1).stream(k as u64)))
+                .collect();
+            let numbers: Vec<f64> = vectors.iter().map(|x| x[0].clamp(0.0, 1.0)).collect();
             assertion(&numbers, &vectors);
         };
-        let told = names("samples", || asked(2));
-        let (_, needed) = told.split_once("at least ").expect("a number");
-        let needed: usize = needed.split(' ').next().unwrap().parse().unwrap();
-        asked(needed);
-        names("samples", || asked(needed - 1));
+        let needed = |n: usize| -> usize {
+            let told = names("samples", || asked(n));
+            let (_, needed) = told.split_once("at least ").expect("a number");
+            needed.split(' ').next().unwrap().parse().unwrap()
+        };
+        let enough = needed(2);
+        asked(enough);
+        for too_few in [0, 1, enough - 1] {
+            assert_eq!(needed(too_few), enough);
+        }
     }
 }
 

@@ -373,3 +373,26 @@ impl Player {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::passage::between;
+    use super::*;
+
+    #[test]
+    fn the_next_stop_may_be_that_of_the_next_period() {
+        let joints = Joints::new(["a"]).unwrap();
+        let still = State::zeros(1);
+        let way = between(&joints, &[&still, &still], &[0.3]).unwrap();
+        let stops = Stops {
+            ways: vec![(0.25, way.clone()), (0.5, way)],
+            period: 2.0,
+        };
+        assert_eq!(stops.next(0.25), (0, 0.0));
+        assert_eq!(stops.next(0.375), (1, 0.125));
+        assert_eq!(stops.next(1.5), (0, 0.75));
+        assert_eq!(stops.next(5.5), (0, 0.75));
+        // From 0.5 to 0.25 of the next period, and the way.
+        assert!((stops.longest() - 2.05).abs() < 1e-12);
+    }
+}

@@ -97,7 +97,8 @@ fn through(points: &[Point3<f64>]) -> Option<Ball> {
             gram[(i, j)] = (p - first).dot(&(q - first));
         }
     }
-    let x = gram.try_inverse()? * right;
+    // Backward stable, as an inverse is not: all are as far from the centre but for rounding, however near to one line they are.
+    let x = gram.cholesky()?.solve(&right);
     let centre = others
         .iter()
         .zip(x.iter())

@@ -358,8 +358,8 @@ mod tests {
             <disable_collisions link1='base' link2='a' reason='Adjacent'/>
             <disable_collisions link1='a' link2='base'/>
             <disable_collisions link1='a' link2='a'/>
-            <disable_collisions link1='b' link2='a'/>
-            <enable_collisions link1='a' link2='b'/>
+            <disable_collisions link1='a' link2='b'/>
+            <enable_collisions link1='b' link2='a'/>
             <disable_collisions link1='base' link2='ghost'/>
             <disable_default_collisions link='a'/>
             <group_state name='home' group='arm'/></robot>",

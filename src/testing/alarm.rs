@@ -12,8 +12,8 @@ use super::Seed;
 /// let alarm = refute_above(30, 300, 0.01, 1e-6).unwrap_err().of(Seed(7));
 /// assert_eq!(
 ///     alarm.to_string(),
-///     "lower bound of a probability: 0.036844 is outside 0.000000 .. 0.010000 with N = 300, seed 7; \
-///      with 99 % power: a probability of 0.0832"
+///     "lower bound of a probability: 0.036844 is outside 0 .. 0.010000 with N = 300, seed 7; \
+///      with 99 % power: a probability of 0.083172"
 /// );
 /// ```
 #[derive(Clone, PartialEq)]
@@ -110,7 +110,7 @@ impl fmt::Display for Alarm {
         if self.power == Power::CERTAIN {
             return Ok(());
         }
-        write!(f, " {smallest:.4}")
+        write!(f, " {}", number(smallest))
     }
 }
 
@@ -120,12 +120,12 @@ impl fmt::Debug for Alarm {
     }
 }
 
-/// Six digits behind the point, where they are not three hundred before it.
+/// Six digits behind the point where they are enough to tell it, and not three hundred before it.
 fn number(x: f64) -> String {
-    if x.abs() < 1e9 {
-        format!("{x:.6}")
-    } else {
-        format!("{x:e}")
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        1e-3..1e9 => format!("{x:.6}"),
+        _ => format!("{x:.5e}"),
     }
 }
 

@@ -16,34 +16,29 @@ pub(super) fn require_probability(name: &str, value: f64) {
     );
 }
 
-/// Panics when there are fewer than `least` samples.
-#[track_caller]
-pub(super) fn require_samples(samples: usize, least: usize) {
-    assert!(
-        samples >= least,
-        "samples: {samples} are too few, at least {least} are needed"
-    );
-}
-
 /// Panics when so many samples tell less than they should, with the number that would do: the first that `is_telling`, as all after it are.
 #[track_caller]
 pub(super) fn require_telling(samples: usize, unnoticed: &str, is_telling: impl Fn(usize) -> bool) {
     assert!(
         is_telling(samples),
-        "samples: {samples} are too few, {unnoticed} could pass unnoticed; at least {} are needed",
-        least_telling(samples, is_telling)
+        "samples: {samples} are too few, {unnoticed} could pass unnoticed; {}",
+        needed(samples, "", is_telling)
     );
 }
 
-/// The first number of samples above one that is too small.
-pub(super) fn least_telling(samples: usize, is_telling: impl Fn(usize) -> bool) -> u64 {
-    let mut enough = 2 * samples;
-    while !is_telling(enough) && enough < LARGEST {
+/// How many samples would do where so many are too few, in words.
+pub(super) fn needed(samples: usize, of: &str, is_telling: impl Fn(usize) -> bool) -> String {
+    let mut enough = samples.max(1);
+    while !is_telling(enough) {
+        if enough > LARGEST {
+            return format!("more than {LARGEST}{of} are needed");
+        }
         enough *= 2;
     }
-    first_count(enough as u64, |n| {
+    let least = first_count(enough as u64, |n| {
         n as usize > samples && is_telling(n as usize)
-    })
+    });
+    format!("at least {least}{of} are needed")
 }
 
 /// Panics when a range of counts is empty or starts below `least`.

@@ -9,7 +9,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples, require_telling};
+use super::argument::{require_probability, require_telling};
 use super::law::{Bounded, MISS, crossing};
 
 /// Have angles \[rad\] this mean direction, given their resultant length? By the average of sin(angle - mean). Conservative: for angles
@@ -39,13 +39,14 @@ use super::law::{Bounded, MISS, crossing};
 /// # Panics
 /// When `false_alarm` or `resultant` is not within 0..1, `mean` is not finite, or there are so few `angles` that a right angle could
 /// pass unnoticed.
+#[track_caller]
 pub fn circular_mean(
     angles: &[f64],
     mean: f64,
     resultant: f64,
     false_alarm: f64,
 ) -> Result<(), Alarm> {
-    require(angles, mean, resultant, false_alarm);
+    require(mean, resultant, false_alarm);
     let (n, tail) = (angles.len(), false_alarm / 3.0);
     let about = |mean: f64| Bounded {
         low: -1.0,
@@ -95,13 +96,14 @@ pub fn circular_mean(
 /// # Panics
 /// When `false_alarm` or `resultant` is not within 0..1, `mean` is not finite, or there are so few `angles` that no direction at all could
 /// pass unnoticed.
+#[track_caller]
 pub fn circular_spread(
     angles: &[f64],
     mean: f64,
     resultant: f64,
     false_alarm: f64,
 ) -> Result<(), Alarm> {
-    require(angles, mean, resultant, false_alarm);
+    require(mean, resultant, false_alarm);
     let (n, tail) = (angles.len(), false_alarm / 2.0);
     let about = |mean: f64| Bounded::within((-1.0, 1.0), mean);
     let law = about(resultant);
@@ -125,12 +127,11 @@ fn average(angles: &[f64], part: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[track_caller]
-fn require(angles: &[f64], mean: f64, resultant: f64, false_alarm: f64) {
+fn require(mean: f64, resultant: f64, false_alarm: f64) {
     require_probability("false_alarm", false_alarm);
     assert!(
         resultant > 0.0 && resultant < 1.0,
         "resultant = {resultant}: a resultant length between 0 and 1, without the ends"
     );
     assert!(mean.is_finite(), "mean = {mean}: a finite angle");
-    require_samples(angles.len(), 1);
 }

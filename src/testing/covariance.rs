@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples, require_telling};
+use super::argument::{require_probability, require_telling};
 use super::law::{MISS, chi_squared, chi_squared_below};
 use super::mean::moments;
 
@@ -12,13 +12,15 @@ const SYMMETRIC: f64 = 1e-9;
 
 /// A test of a variance that would not see four times as much sees nothing.
 const LARGEST_RATIO: f64 = 4.0;
+pub(super) const TOO_LARGE: &str = "a variance four times too large";
 
 /// Have normally distributed vectors this covariance, whatever their mean is? With z the samples less their average, whitened by
 /// Cholesky's factor, the sum of (u . z)^2 is chi-square with N - 1 degrees of freedom for each unit vector u: the d axes and the
 /// d (d - 1) diagonals (e_i +- e_j) / sqrt 2, so that every entry of the covariance is tested. Each is exact; together they share
 /// `false_alarm` (Bonferroni), which is conservative by little, since they are nearly independent.
 ///
-/// What it catches is a variance along one of these directions that is another by a ratio.
+/// What it catches is a variance along one of these directions that is larger or smaller by a ratio; of few samples the smaller one needs the
+/// larger ratio, and that is told.
 ///
 /// ```
 /// use nalgebra::{DVector, dmatrix, dvector};
@@ -42,6 +44,7 @@ const LARGEST_RATIO: f64 = 4.0;
 /// When `false_alarm` is not within 0..1, `covariance` is not symmetric and positive definite (for one of less rank there is
 /// [`gaussian`](super::gaussian)), `samples` are of another dimension or so few that a variance four times too large could pass
 /// unnoticed.
+#[track_caller]
 pub fn covariance(
     samples: &[DVector<f64>],
     covariance: &DMatrix<f64>,
@@ -62,8 +65,9 @@ pub fn covariance(
         samples.iter().all(|x| x.len() == dimension),
         "samples: of another dimension than the covariance, which has {dimension}"
     );
-    require_samples(samples.len(), 2);
-    let test = Variances::new(samples.len(), samples.len() - 1, dimension, false_alarm);
+    let of = |n| Variances::new(n, 1, dimension, false_alarm);
+    require_telling(samples.len(), TOO_LARGE, |n| of(n).is_telling());
+    let test = of(samples.len());
     Alarm::unless_finite(samples.iter().flat_map(|x| x.iter()), samples.len())?;
     let (_, scatter) = moments(samples);
     // L^-1 S L^-T.
@@ -86,27 +90,29 @@ pub(super) struct Variances {
 }
 
 impl Variances {
-    #[track_caller]
-    pub fn new(samples: usize, freedom: usize, dimension: usize, false_alarm: f64) -> Self {
+    /// Of so many samples, of which their mean has taken `lost`.
+    pub fn new(samples: usize, lost: usize, dimension: usize, false_alarm: f64) -> Self {
         let directions = (dimension * dimension).max(1) as f64;
-        let of = |n: usize| {
-            let freedom = (freedom + (n - samples)) as f64;
-            let bounds = chi_squared(freedom, false_alarm / (2.0 * directions));
-            Self {
-                samples: n,
-                freedom,
-                bounds,
-            }
-        };
-        require_telling(samples, "a variance four times too large", |n| {
-            of(n).ratio() < LARGEST_RATIO
-        });
-        of(samples)
+        let freedom = samples.saturating_sub(lost).max(1) as f64;
+        Self {
+            samples,
+            freedom,
+            bounds: chi_squared(freedom, false_alarm / (2.0 * directions)),
+        }
     }
 
-    /// The smallest ratio of variances, above 1, that is caught; one below 1 is sooner.
-    fn ratio(&self) -> f64 {
+    /// Whether it sees what it must.
+    pub fn is_telling(&self) -> bool {
+        self.larger() < LARGEST_RATIO
+    }
+
+    /// The smallest ratio of variances, above 1, that is caught where the variance is larger, and where it is smaller.
+    fn larger(&self) -> f64 {
         self.bounds.1 / chi_squared_below(self.freedom, MISS)
+    }
+
+    fn smaller(&self) -> f64 {
+        chi_squared(self.freedom, MISS).1 / self.bounds.0
     }
 
     pub fn check(&self, products: &DMatrix<f64>) -> Result<(), Alarm> {
@@ -118,8 +124,8 @@ impl Variances {
                 let statistics = if i == j { &[a][..] } else { &along[..] };
                 for statistic in statistics {
                     let power = || Power {
-                        of: "a ratio of variances of",
-                        smallest: self.ratio(),
+                        of: "a variance larger or smaller by a ratio of",
+                        smallest: self.larger().max(self.smaller()),
                     };
                     Alarm::unless_within("variance", *statistic, self.bounds, self.samples, power)?;
                 }

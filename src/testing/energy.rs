@@ -5,9 +5,9 @@ use rand::RngExt;
 
 use super::Seed;
 use super::alarm::{Alarm, Power};
-use super::argument::{least_telling, require_probability, require_samples};
-use super::law::MISS;
-use crate::proportion::lower_bound;
+use super::argument::{needed, require_probability};
+use super::law::{MISS, first_count};
+use crate::proportion::{at_most, lower_bound};
 
 /// Distances that sums in another order make differ are equal.
 const ROUNDING: f64 = 1e-12;
@@ -43,6 +43,7 @@ const ROUNDING: f64 = 1e-12;
 /// # Panics
 /// When `false_alarm` is not within 0..1, there are so few `permutations` or samples that p cannot be that small, or vectors of different
 /// dimensions.
+#[track_caller]
 pub fn energy(
     one: &[DVector<f64>],
     other: &[DVector<f64>],
@@ -51,7 +52,6 @@ pub fn energy(
     false_alarm: f64,
 ) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
-    require_samples(one.len().min(other.len()), 2);
     let all: Vec<&DVector<f64>> = one.iter().chain(other).collect();
     let samples = all.len();
     assert!(
@@ -63,16 +63,20 @@ pub fn energy(
         permutations as f64 >= least,
         "permutations: {permutations} are too few for a false alarm of {false_alarm}, at least {least} are needed"
     );
-    // Deals that differ by more than which set is which.
+    // Sets that are wholly apart: of all deals this one alone is as far, and where sets are of one size the one that swaps them.
+    let bearable = bearable(permutations, false_alarm);
     let log_factorial = |n: usize| libm::lgamma(n as f64 + 1.0);
-    let log_deals = |n: usize, m: usize| log_factorial(n + m) - log_factorial(n) - log_factorial(m);
-    let are_enough = |n: usize, m: usize| log_deals(n, m) - 2f64.ln() >= -false_alarm.ln();
+    let is_telling = |n: usize, m: usize| {
+        let log_deals = log_factorial(n + m) - log_factorial(n) - log_factorial(m);
+        let as_far = if n == m { 2.0 } else { 1.0 } * (-log_deals).exp();
+        at_most(bearable, permutations as u64, as_far.min(1.0)) >= 1.0 - MISS
+    };
     assert!(
-        are_enough(one.len(), other.len()),
-        "samples: {} and {} are too few, no deal is as rare as {false_alarm}; at least {} of each are needed",
+        is_telling(one.len(), other.len()),
+        "samples: {} and {} are too few, sets that are wholly apart could pass unnoticed; {}",
         one.len(),
         other.len(),
-        least_telling(one.len().min(other.len()), |n| are_enough(n, n)),
+        needed(one.len().min(other.len()), " of each", |n| is_telling(n, n)),
     );
     Alarm::unless_finite(all.iter().flat_map(|x| x.iter()), samples)?;
 
@@ -87,18 +91,20 @@ pub fn energy(
         }
         dealt.push(distances.energy(&deal));
     }
-    // How many deals may be as far: p = (1 + as far) / (1 + permutations) at the level is an alarm.
-    let is_rare = |as_far: &usize| (1 + as_far) as f64 / (1 + permutations) as f64 <= false_alarm;
-    let rare = (0..permutations).take_while(is_rare).count();
     dealt.sort_unstable_by(|a, b| b.total_cmp(a));
     // As far as the last of these is not farther. Rounding may leave less than nothing.
-    let most = rare.checked_sub(1).map_or(f64::INFINITY, |m| dealt[m]);
+    let most = dealt[bearable as usize];
     let (observed, bounds) = (observed.max(0.0), (0.0, most.max(0.0)));
-    Alarm::unless_within("energy distance", observed, bounds, samples, || Power {
-        of: "an energy distance of",
-        smallest: distances.caught(permutations, false_alarm),
+    Alarm::unless_within("energy distance", observed, bounds, samples, || {
+        distances.power(permutations, false_alarm)
     })
     .map_err(|alarm| alarm.of(seed))
+}
+
+/// How many deals may be as far for an alarm: p = (1 + as far) / (1 + permutations) is at the level then.
+fn bearable(permutations: usize, false_alarm: f64) -> u64 {
+    let p = |as_far: u64| (1 + as_far) as f64 / (1 + permutations) as f64;
+    first_count(permutations as u64, |as_far| p(as_far) > false_alarm).saturating_sub(1)
 }
 
 /// All distances between samples, of which the first so many are the first set.
@@ -153,7 +159,7 @@ impl Distances {
     /// The root of the energy distance is the norm of a difference of two means, of vectors whose squared distances are 2 |x - y|. So that of
     /// the samples is less than that of the distributions by no more than the norm of what the means are off, and that of a deal is a
     /// norm with a mean square that is known; both norms stay near their means, for no sample moves them by much.
-    fn caught(&self, permutations: usize, false_alarm: f64) -> f64 {
+    fn power(&self, permutations: usize, false_alarm: f64) -> Power {
         let (n, m) = self.sizes();
         let count = n + m;
         let deal: Vec<usize> = (0..self.count).collect();
@@ -161,14 +167,25 @@ impl Distances {
         let diameter = self.between.iter().fold(0.0, |a: f64, b| a.max(*b));
         let parts = 1.0 / n + 1.0 / m;
         // What share of all deals may be as far, so that no more of the drawn ones are than p can bear.
-        let bearable = (false_alarm * (1.0 + permutations as f64)) as u64;
-        let share = lower_bound(bearable.max(1), permutations as u64, MISS / 2.0);
+        let bearable = bearable(permutations, false_alarm);
+        let share = lower_bound(bearable + 1, permutations as u64, MISS / 2.0);
         let deals = n * m / ((count - 0.5) * (1.0 - 0.5 / n.max(m)));
         let swap = 2.0 * diameter * parts * parts;
         let dealt = (parts * self.total / (count * (count - 1.0))).sqrt()
             + (deals * swap * -share.ln() / 2.0).sqrt();
         let drawn = (one / (n * n * (n - 1.0)) + other / (m * m * (m - 1.0))).sqrt()
             + (2.0 * diameter * parts * (2.0 / MISS).ln() / 2.0).sqrt();
-        (dealt + drawn).powi(2)
+        let certain = (dealt + drawn).powi(2);
+        // Of points within a diameter no two distributions are farther apart than by twice that.
+        if certain > 2.0 * diameter {
+            return Power {
+                of: "no energy distance for certain, and within the diameter of these samples none is beyond",
+                smallest: 2.0 * diameter,
+            };
+        }
+        Power {
+            of: "an energy distance of",
+            smallest: certain,
+        }
     }
 }

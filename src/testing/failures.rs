@@ -31,6 +31,7 @@ use crate::primitive::FourierMovementPrimitive;
 ///
 /// # Panics
 /// When `p` or `confidence` is not within 0..1, or so few `trials` that even none failing would demonstrate nothing.
+#[track_caller]
 pub fn fails_at_most(
     p: f64,
     confidence: f64,
@@ -64,6 +65,7 @@ pub fn fails_at_most(
 ///
 /// # Panics
 /// Those of [`fails_at_most`].
+#[track_caller]
 pub fn fails_rarely(
     primitive: &FourierMovementPrimitive,
     p: f64,

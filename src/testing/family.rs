@@ -33,6 +33,7 @@ impl Family {
     ///
     /// # Panics
     /// When `budget` is not within 0..1 or `tests` is 0; of a constant, at compile time.
+    #[track_caller]
     pub const fn new(budget: f64, tests: u32) -> Self {
         assert!(
             budget > 0.0 && budget < 1.0,

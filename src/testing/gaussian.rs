@@ -4,17 +4,18 @@ use nalgebra::{DMatrix, DVector};
 use statrs::function::gamma::gamma_lr;
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples};
-use super::covariance::Variances;
-use super::distribution;
+use super::argument::{require_probability, require_telling};
+use super::covariance::{TOO_LARGE, Variances};
+use super::distribution::{self, ELSEWHERE};
 use super::law::{MISS, chi_squared, chi_squared_noncentrality};
 use crate::primitive::Gaussian;
 
 /// Singular values of a factor below this share of the largest are directions without variance.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// A sample may leave the span of the factor by this share of the spread: rounding.
+/// A sample may leave the span of the factor by this share of the spread, and by this share of its own size: rounding.
 const SPAN_TOLERANCE: f64 = 1e-9;
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Are these independent draws of `gaussian`, whatever its rank r? With z = F^+ (x - mu) standard normal in r dimensions, each of these
 /// is tested with a fifth of `false_alarm`:
@@ -49,8 +50,9 @@ const SPAN_TOLERANCE: f64 = 1e-9;
 /// The first statistic out of its bounds; for true draws with probability at most `false_alarm`.
 ///
 /// # Panics
-/// When `false_alarm` is not within 0..1, `samples` are of another dimension, or so few that a variance four times too large could pass
-/// unnoticed.
+/// When `false_alarm` is not within 0..1, `samples` are of another dimension, or so few that a variance four times too large or half of all
+/// probability elsewhere could pass unnoticed.
+#[track_caller]
 pub fn gaussian(
     samples: &[DVector<f64>],
     gaussian: &Gaussian,
@@ -62,11 +64,15 @@ pub fn gaussian(
         "samples: of another dimension than the Gaussian, which has {}",
         gaussian.dimension()
     );
-    require_samples(samples.len(), 2);
     let n = samples.len();
     let whitening = Whitening::of(gaussian);
     let share = false_alarm / 5.0;
-    let variances = Variances::new(n, n, whitening.rank(), share);
+    let variances = |n| Variances::new(n, 0, whitening.rank(), share);
+    // Before any sample is looked at: all tests that follow must tell something.
+    require_telling(n, &format!("{TOO_LARGE} or {ELSEWHERE}"), |n| {
+        variances(n).is_telling() && distribution::is_telling(n, share)
+    });
+    let variances = variances(n);
     Alarm::unless_finite(samples.iter().flat_map(|x| x.iter()), n)?;
     let white = samples
         .iter()
@@ -127,16 +133,23 @@ impl<'a> Whitening<'a> {
     }
 
     /// z of x, one of so many samples.
-    pub fn apply(&self, x: &DVector<f64>, samples: usize) -> Result<DVector<f64>, Alarm> {
+    fn apply(&self, x: &DVector<f64>, samples: usize) -> Result<DVector<f64>, Alarm> {
         let deviation = x - self.gaussian.mean();
         let coordinates = self.basis.tr_mul(&deviation);
         let outside = (&deviation - &self.basis * &coordinates).norm();
         let largest = self.deviations.iter().fold(0.0, |a: f64, b| a.max(*b));
-        let allowed = SPAN_TOLERANCE * (largest + deviation.norm());
+        let allowed = SPAN_TOLERANCE * (largest + deviation.norm()) + ROUNDING * x.norm();
         Alarm::unless_within("span", outside, (0.0, allowed), samples, || Power::CERTAIN)?;
-        Ok(DVector::from_fn(self.rank(), |i, _| {
-            coordinates[i] / self.deviations[i]
-        }))
+        Ok(self.scaled(coordinates))
+    }
+
+    /// z of what x is off the mean, of that which is in the span.
+    pub fn projected(&self, deviation: &DVector<f64>) -> DVector<f64> {
+        self.scaled(self.basis.tr_mul(deviation))
+    }
+
+    fn scaled(&self, coordinates: DVector<f64>) -> DVector<f64> {
+        DVector::from_fn(self.rank(), |i, _| coordinates[i] / self.deviations[i])
     }
 }
 

@@ -1,7 +1,7 @@
 //! Assertions about independence.
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples, require_telling};
+use super::argument::{require_probability, require_telling};
 use super::law::MISS;
 
 /// Are two numbers that are drawn together independent? By Kendall's tau, the share of pairs of draws that agree in their order less the share
@@ -32,6 +32,7 @@ use super::law::MISS;
 /// # Panics
 /// When `false_alarm` is not within 0..1, there are not as many `y` as `x`, or so few samples that numbers in the same order could pass
 /// unnoticed.
+#[track_caller]
 pub fn independence(x: &[f64], y: &[f64], false_alarm: f64) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
     assert!(
@@ -40,7 +41,6 @@ pub fn independence(x: &[f64], y: &[f64], false_alarm: f64) -> Result<(), Alarm>
         y.len(),
         x.len()
     );
-    require_samples(x.len(), 2);
     let pairs = |n: f64| n * (n - 1.0) / 2.0;
     let most = |n: f64| {
         let variance = n * (n - 1.0) * (2.0 * n + 5.0) / 18.0;

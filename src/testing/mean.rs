@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples, require_telling};
+use super::argument::{require_probability, require_telling};
 use super::law::{Bounded, MISS, crossing, fisher_above, fisher_noncentrality};
 
 /// A test of a mean that would not see two standard deviations sees nothing.
@@ -33,8 +33,9 @@ const FARTHEST_MEAN: f64 = 2.0;
 /// When T^2 is larger than it is with probability `false_alarm`, or the samples do not vary in every direction.
 ///
 /// # Panics
-/// When `false_alarm` is not within 0..1, `mean` is not finite, `samples` are of another dimension than it or not more than that, or so few that two
-/// standard deviations could pass unnoticed.
+/// When `false_alarm` is not within 0..1, `mean` is not finite, `samples` are of another dimension than it, or so few that two standard deviations could
+/// pass unnoticed.
+#[track_caller]
 pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
     let dimension = mean.len();
@@ -43,7 +44,6 @@ pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> 
         dimension > 0 && samples.iter().all(|x| x.len() == dimension),
         "samples: of another dimension than the mean, which has {dimension}"
     );
-    require_samples(samples.len(), dimension + 1);
     let d = dimension as f64;
     // What is above them with that probability, of F and of T^2.
     let most = |n: f64| {
@@ -53,7 +53,7 @@ pub fn mean(samples: &[DVector<f64>], mean: &DVector<f64>, false_alarm: f64) -> 
     require_telling(
         samples.len(),
         "a mean that is off by two standard deviations",
-        |n| (most(n as f64).1 / n as f64).sqrt() < FARTHEST_MEAN,
+        |n| n > dimension && (most(n as f64).1 / n as f64).sqrt() < FARTHEST_MEAN,
     );
     let n = samples.len() as f64;
     let (f, most) = most(n);
@@ -103,6 +103,7 @@ pub(super) fn moments(samples: &[DVector<f64>]) -> (DVector<f64>, DMatrix<f64>) 
 /// # Panics
 /// When `false_alarm` is not within 0..1, `mean` not inside `support`, or `samples` so few that no mean within the support would be
 /// noticed.
+#[track_caller]
 pub fn bounded_mean(
     samples: &[f64],
     support: (f64, f64),
@@ -119,7 +120,6 @@ pub fn bounded_mean(
         low.is_finite() && high.is_finite() && low < mean && mean < high,
         "mean = {mean}: inside the support, which is {low} .. {high}"
     );
-    require_samples(samples.len(), 1);
     let n = samples.len();
     for x in samples {
         Alarm::unless_within("a sample", *x, support, n, || Power::CERTAIN)?;

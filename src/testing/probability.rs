@@ -27,6 +27,7 @@ use crate::proportion::{at_least, at_most, lower_bound, upper_bound};
 /// # Panics
 /// When `p` or `confidence` is not within 0..1, there are more `failures` than `trials`, or so few `trials` that even none failing would
 /// demonstrate nothing.
+#[track_caller]
 pub fn demonstrate_below(failures: u64, trials: u64, p: f64, confidence: f64) -> Result<(), Alarm> {
     require_probability("confidence", confidence);
     require_counts(failures, trials, p);
@@ -69,6 +70,7 @@ pub fn demonstrate_below(failures: u64, trials: u64, p: f64, confidence: f64) ->
 /// # Panics
 /// When `p` or `false_alarm` is not within 0..1, there are more `failures` than `trials`, or so few `trials` that even all of them failing
 /// would be no evidence.
+#[track_caller]
 pub fn refute_above(failures: u64, trials: u64, p: f64, false_alarm: f64) -> Result<(), Alarm> {
     require_probability("false_alarm", false_alarm);
     require_counts(failures, trials, p);

@@ -1,7 +1,7 @@
 //! Assertions about quantiles.
 
 use super::alarm::{Alarm, Power};
-use super::argument::{require_probability, require_samples, require_telling};
+use super::argument::{require_probability, require_telling};
 use super::law::{MISS, first_count};
 use crate::proportion::{at_least, at_most, lower_bound, upper_bound};
 
@@ -27,6 +27,7 @@ use crate::proportion::{at_least, at_most, lower_bound, upper_bound};
 /// # Panics
 /// When `false_alarm` or `probability` is not within 0..1, `value` is not a number, or `samples` are so few that all of them or none
 /// of them below `value` would raise no alarm.
+#[track_caller]
 pub fn quantile(
     samples: &[f64],
     probability: f64,
@@ -36,7 +37,6 @@ pub fn quantile(
     require_probability("false_alarm", false_alarm);
     require_probability("probability", probability);
     assert!(!value.is_nan(), "value = {value}: a number");
-    require_samples(samples.len(), 1);
     let (n, tail) = (samples.len() as u64, false_alarm / 2.0);
     // Infinite samples have their place; what is no number has none.
     for x in samples.iter().filter(|x| x.is_nan()) {
@@ -50,7 +50,7 @@ pub fn quantile(
         |n| {
             let n = n as u64;
             let (fewest, most) = accepted(n, probability, tail);
-            fewest > 0 && most < n
+            n > 0 && fewest > 0 && most < n
         },
     );
     let (fewest, most) = accepted(n, probability, tail);

@@ -38,8 +38,12 @@ use crate::simulation::Simulation;
 ///
 /// # Panics
 /// When the `motion` is not of the robot's joints.
+#[track_caller]
 pub fn keeps_limits<M: Motion>(robot: &Robot, motion: &M) -> Result<()> {
-    let limits = limits(robot, motion).unwrap_or_else(|e| panic!("motion: {e}"));
+    let limits = match limits(robot, motion) {
+        Ok(limits) => limits,
+        Err(e) => panic!("motion: {e}"),
+    };
     let efforts = efforts(robot, motion).ok();
     without_fault(&Verdict {
         limits,
@@ -72,13 +76,18 @@ pub fn keeps_limits<M: Motion>(robot: &Robot, motion: &M) -> Result<()> {
 ///
 /// # Panics
 /// When `margin` is negative or no number, the `motion` is not of the robot's joints, or the model checks no pair.
+#[track_caller]
 pub fn keeps_clear<M: Motion>(collision: &CollisionModel, motion: &M, margin: f64) -> Result<()> {
     require_length("margin", margin);
-    let found = collision.certify(motion, margin, &[]);
+    let found = match collision.certify(motion, margin, &[]) {
+        Ok(found) => found,
+        Err(e) if e.kind() == ErrorKind::Name => panic!("motion: {e}"),
+        Err(e) => panic!("collision: {e}"),
+    };
     let verdict = Verdict {
         limits: Vec::new(),
         efforts: None,
-        collision: Some(found.unwrap_or_else(|e| panic!("motion: {e}"))),
+        collision: Some(found),
         touches_too: None,
         clearance: None,
     };
@@ -109,16 +118,18 @@ pub fn keeps_clear<M: Motion>(collision: &CollisionModel, motion: &M, margin: f6
 /// # Panics
 /// When `tolerance` is negative or no number, or the `motion` is not of the robot's joints.
 #[cfg(feature = "simulation")]
+#[track_caller]
 pub fn tracks_within<M: Motion>(
     simulation: &Simulation<'_>,
     motion: &M,
     tolerance: f64,
 ) -> Result<()> {
     require_length("tolerance", tolerance);
-    let rollout = simulation.run(motion).map_err(|e| match e.kind() {
-        ErrorKind::Name => panic!("motion: {e}"),
-        _ => e,
-    })?;
+    let rollout = match simulation.run(motion) {
+        Ok(rollout) => rollout,
+        Err(e) if e.kind() == ErrorKind::Name => panic!("motion: {e}"),
+        Err(e) => return Err(e),
+    };
     let off = nalgebra::DVector::from(rollout.tolerance());
     let (joint, most) = off.argmax();
     if most <= tolerance {

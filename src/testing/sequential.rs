@@ -46,6 +46,7 @@ const GROWTH: usize = 2;
 /// # Panics
 /// When `false_alarm` is not within 0..1, `rounds` is 0 or more than leaves gamma at most 1/2, or the check panics at so few
 /// `samples`.
+#[track_caller]
 pub fn retest<S>(
     false_alarm: f64,
     rounds: u32,
@@ -73,4 +74,39 @@ pub fn retest<S>(
         count = count.saturating_mul(GROWTH);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use super::super::alarm::Power;
+    use super::*;
+
+    /// One that is in doubt in every round: what it draws, and the levels at which it is checked.
+    #[test]
+    fn doubt_takes_twice_as_many_samples_at_a_level_that_is_raised() {
+        let levels = RefCell::new(Vec::new());
+        let mut counts = Vec::new();
+        // beta = 1e-6, gamma = 1e-2.
+        let outcome = retest(
+            3e-6,
+            3,
+            100,
+            |n| counts.push(n),
+            |(), level| {
+                levels.borrow_mut().push(level);
+                let is_doubt = level > 1e-2;
+                Alarm::unless_within("doubt", 1.0, (0.0, 0.0), 1, || Power::CERTAIN)
+                    .or_else(|alarm| if is_doubt { Err(alarm) } else { Ok(()) })
+            },
+        );
+        assert!(outcome.is_ok());
+        assert_eq!(counts, [100, 200, 400]);
+        let expected = [1e-6, 1e-2 + 1e-6, 1e-4, 1e-2 + 1e-4, 1e-2];
+        for (found, expected) in levels.borrow().iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{levels:?}");
+        }
+        assert_eq!(levels.borrow().len(), expected.len());
+    }
 }

@@ -27,7 +27,7 @@ pub struct Case {
     pub check: fn(&mut ChaCha8Rng, f64, f64) -> Outcome,
 }
 
-pub const CASES: [Case; 12] = [
+pub const CASES: [Case; 15] = [
     Case {
         name: "mean",
         what: "mean",
@@ -190,6 +190,43 @@ pub const CASES: [Case; 12] = [
             refute_above(failures, 500, 0.2, level)
         },
     },
+    Case {
+        name: "covariance, less of it",
+        what: "variance",
+        none: 1.0,
+        is_exact: true,
+        is_sharp: true,
+        gross: 8.0,
+        check: |rng, off, level| {
+            let cholesky = plane().covariance().cholesky().unwrap().l();
+            let samples = draws(&plane(), 60, rng, |x, _| narrowed(&x, &cholesky, off));
+            covariance(&samples, &plane().covariance(), level)
+        },
+    },
+    Case {
+        name: "gaussian, less variance",
+        what: "variance",
+        none: 1.0,
+        is_exact: true,
+        is_sharp: true,
+        gross: 2.5,
+        check: |rng, off, level| {
+            let samples = draws(&plane(), 60, rng, |x, factor| narrowed(&x, factor, off));
+            gaussian(&samples, &plane(), level)
+        },
+    },
+    Case {
+        name: "bounded mean, lower",
+        what: "mean",
+        none: 0.0,
+        is_exact: false,
+        is_sharp: false,
+        gross: 0.6,
+        check: |rng, off, level| {
+            let samples = numbers(200, rng, |u| f64::from(u8::from(u < 0.7 - off)));
+            bounded_mean(&samples, (0.0, 1.0), 0.7, level)
+        },
+    },
 ];
 
 /// Correlated; the columns of its factor are its axes.
@@ -207,6 +244,11 @@ fn draws(
     (0..count)
         .map(|_| off(gaussian.sample(rng), &factor))
         .collect()
+}
+
+/// The draw with the variance of its first latent number smaller by 1 and this.
+fn narrowed(x: &DVector<f64>, factor: &DMatrix<f64>, by: f64) -> DVector<f64> {
+    widened(x, factor, 1.0 / (1.0 + by) - 1.0)
 }
 
 /// The draw with the variance of its first latent number larger by this share.

@@ -13,7 +13,8 @@ use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use undulate::stream;
 use undulate::testing::{
-    Alarm, Family, Seed, demonstrate_below, distribution, energy, refute_above, retest,
+    Alarm, Family, Seed, circular_mean, demonstrate_below, distribution, energy, refute_above,
+    retest,
 };
 
 const RUNS: u64 = 2000;
@@ -22,7 +23,7 @@ const RATE: f64 = 0.05;
 /// Of misses at the discrepancy that is stated: 99 % power.
 const MISS: f64 = 0.01;
 /// All judgements of this file.
-const JUDGEMENTS: Family = Family::new(1e-6, 40);
+const JUDGEMENTS: Family = Family::new(1e-6, 60);
 /// Of one.
 const DOUBT: f64 = JUDGEMENTS.test();
 
@@ -146,6 +147,9 @@ fn thresholds_of_bounds_are_those_of_their_theorems() {
     log_bound(-n * exponent, RATE / 3.0, "circular mean");
     assert_eq!(low, -t);
     // Sub-Gaussian, with the variance 2 (2N + 5) / 9N (N - 1) of tau.
+    // Of two degrees chi-square is exponential: a fifth of the level.
+    let (_, most, _) = threshold("gaussian, mean");
+    log_bound(-most / 2.0, RATE / 5.0, "gaussian");
     let (low, tau, n) = threshold("independence");
     let variance = 2.0 * (2.0 * n + 5.0) / (9.0 * n * (n - 1.0));
     log_bound(-tau * tau / (2.0 * variance), RATE / 2.0, "independence");
@@ -182,6 +186,39 @@ fn shifted(
     };
     let (one, other) = (set(0.0), set(shift));
     energy(&one, &other, permutations, Seed(rng.random()), level)
+}
+
+/// Their sine is that of the true ones.
+#[test]
+fn angles_that_point_the_other_way_are_noticed() {
+    let angles = numbers(200, &mut stream(502, 0), |u| std::f64::consts::PI + u - 0.5);
+    let resultant = 2.0 * 0.5f64.sin();
+    let alarm = circular_mean(&angles, 0.0, resultant, RATE).unwrap_err();
+    assert_eq!(alarm.what, "mean direction (cosine)");
+    assert!(circular_mean(&angles, std::f64::consts::PI, resultant, RATE).is_ok());
+}
+
+/// Two values, so that deals are as far apart as many others: sums of distances in another order differ by rounding, and that is no difference.
+#[test]
+fn energy_of_numbers_that_coincide_is_calibrated() {
+    let found = alarms(603, |rng| {
+        let mut set = || numbers(12, rng, |u| if u < 0.5 { 0.1 } else { 0.7 });
+        let sets = [set(), set()].map(|set| set.iter().map(|x| dvector![*x]).collect::<Vec<_>>());
+        energy(&sets[0], &sets[1], 39, Seed(rng.random()), RATE)
+    });
+    println!("energy, coins: {found} alarms of {RUNS} at {RATE}");
+    refute_above(found, RUNS, RATE, DOUBT).unwrap();
+}
+
+#[test]
+fn energy_that_can_be_asked_for_catches_what_is_wholly_apart() {
+    let apart = |size: usize| move |rng: &mut ChaCha8Rng| shifted(size, 99, 1e6, rng, 0.01);
+    let missed = RUNS - alarms(604, apart(9));
+    println!("energy: {missed} of {RUNS} missed that are wholly apart");
+    refute_above(missed, RUNS, MISS, DOUBT).unwrap();
+    // No distance is stated that no samples of this diameter have.
+    let alarm = apart(9)(&mut stream(605, 0)).unwrap_err();
+    assert!(alarm.power.smallest <= 2.0 * (1e6 + 1.0), "{alarm}");
 }
 
 #[test]

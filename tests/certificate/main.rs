@@ -64,6 +64,28 @@ fn the_minimum_is_between_its_bounds_and_no_sample_is_below() {
     }
 }
 
+/// What was asked before changes no answer: a prover keeps where it was nearest, and nothing of what it looked for.
+#[test]
+fn a_prover_that_is_used_answers_as_a_new_one() {
+    let mut seen = [false; 2];
+    for (name, robot, options, _) in robots::robots() {
+        let model = CollisionModel::new(&robot, &options).unwrap();
+        let mut used = model.prover();
+        for number in 0..8 {
+            let wave = random_wave(&robot, HARMONICS, PERIOD, 0.6, &mut stream(3, number));
+            for with_scene in [true, false] {
+                used.touches(&wave, with_scene).unwrap();
+            }
+            let is_clear = |found: Certification| matches!(found, Certification::Clear { .. });
+            let found = is_clear(used.certify(&wave, 0.0, &[]).unwrap());
+            let expected = is_clear(model.certify(&wave, 0.0, &[]).unwrap());
+            assert_eq!(found, expected, "{name} {number}");
+            seen[usize::from(expected)] = true;
+        }
+    }
+    assert_eq!(seen, [true; 2], "waves of both kinds");
+}
+
 /// The first arm swings by `size` about the angle 0, the second stands at `angle`.
 fn swing(size: f64, angle: f64) -> Wave {
     let weights = nalgebra::DMatrix::from_row_slice(

@@ -13,6 +13,8 @@ struct Chart {
     /// The joint to which the phases of others are relative, if any.
     reference: Option<usize>,
     centres: Vec<f64>,
+    /// signed, or the sign of what has a logarithm.
+    offsets: Vec<String>,
 }
 
 impl Chart {
@@ -29,6 +31,7 @@ impl Chart {
                 || vec![0.0; joints.len() * harmonics],
                 |r| serde_json::from_value(r["centres_rad"].clone()).unwrap(),
             ),
+            offsets: serde_json::from_value(file["offsets"].clone()).unwrap(),
             joints,
             harmonics,
         }
@@ -72,7 +75,7 @@ fn combined(terms: &[(f64, Vec<(usize, f64)>)]) -> Vec<(usize, f64)> {
 pub type Asked = (Observation, LinearObservation);
 
 /// One hundred independent observations: of each of 20 harmonics a modulus, a phase, a ratio, a relative phase, and a linear
-/// sum (or, of five harmonics, an offset). The values are those of a draw; `deviation` (of the i-th) is a share of a modulus or ratio, and rad.
+/// sum (or, of five harmonics, an offset). The values are those of a draw; `deviation` (of the i-th) is a share of what is learned as a logarithm (a modulus, a ratio, some offsets), else rad.
 pub fn asked(primitive: &FourierMovementPrimitive, deviation: impl Fn(usize) -> f64) -> Vec<Asked> {
     let chart = Chart::of(primitive);
     let x = primitive.gaussian().sample(&mut stream(1, 0));
@@ -114,12 +117,15 @@ pub fn asked(primitive: &FourierMovementPrimitive, deviation: impl Fn(usize) -> 
                 }
                 _ if k <= 5 => {
                     let row = chart.offset(joint(0));
-                    let value = at(&row);
-                    (
-                        Observation::offset(name(0), value).within(deviation),
-                        row,
-                        value,
-                    )
+                    let charted = at(&row);
+                    let (value, size) = match chart.offsets[joint(0)].as_str() {
+                        "signed" => (charted, 1.0),
+                        "positive" => (charted.exp(), charted.exp()),
+                        "negative" => (-charted.exp(), charted.exp()),
+                        other => panic!("{other}"),
+                    };
+                    let observation = Observation::offset(name(0), value);
+                    (observation.within(deviation * size), row, charted)
                 }
                 _ => {
                     let row = combined(&[(0.5, modulus(4)), (-1.5, phase(2)), (2.0, modulus(1))]);

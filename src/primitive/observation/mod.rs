@@ -59,7 +59,8 @@ pub struct Observation {
     pub quantity: Quantity,
     /// Its value: rad, or a plain number for ratios; as it stands in x for sums.
     pub value: f64,
-    /// Standard deviation in the same unit, 0 for an exact value. Of a modulus or a ratio it acts on the logarithm: deviation / value.
+    /// Standard deviation in the same unit, 0 for an exact value. Of what is learned as a logarithm (a modulus, a ratio, some
+    /// offsets) it acts on that: deviation / |value|.
     pub deviation: f64,
 }
 

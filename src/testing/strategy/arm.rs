@@ -75,6 +75,7 @@ struct Drawn {
 ///
 /// # Panics
 /// When `joints` is an empty range or starts at 0.
+#[track_caller]
 pub fn arms(joints: RangeInclusive<usize>) -> impl Strategy<Value = Arm> {
     require_counts("joints", &joints, 1);
     let any_axis = prop::array::uniform3(-1.0..1.0f64).prop_map(|a| {

@@ -20,6 +20,7 @@ use proptest::prelude::*;
 ///
 /// # Panics
 /// When `rank` is 0 or more than `dimension`, or `condition` is not a finite number of at least 1 (of rank 1 it is 1).
+#[track_caller]
 pub fn factors(
     dimension: usize,
     rank: usize,
@@ -81,6 +82,7 @@ fn reflect(columns: &mut DMatrix<f64>, normal: &DVector<f64>) {
 ///
 /// # Panics
 /// As [`factors`] does.
+#[track_caller]
 pub fn covariances(
     dimension: usize,
     rank: usize,

@@ -32,25 +32,25 @@ const VARIATION: f64 = 0.3;
 ///
 /// # Panics
 /// When `joints` or `harmonics` is an empty range or starts at 0, or `recordings` is empty or starts below 2.
+#[track_caller]
 pub fn demonstrations(
     joints: RangeInclusive<usize>,
     harmonics: RangeInclusive<usize>,
     recordings: RangeInclusive<usize>,
 ) -> impl Strategy<Value = Demonstrations> {
     require_counts("recordings", &recordings, 2);
-    waves(joints, harmonics).prop_flat_map(move |gesture| {
+    let largest = 2 * joints.end() * harmonics.end() + joints.end();
+    let variation = vec(-VARIATION..VARIATION, largest);
+    (waves(joints, harmonics), vec(variation, recordings)).prop_map(|(gesture, variations)| {
         let chart = LogPolar::of(&gesture);
-        let variation = vec(-VARIATION..VARIATION, chart.dimension());
-        vec(variation, recordings.clone()).prop_map(move |variations| {
-            let mean = chart.vector(&gesture).expect("its own chart");
-            let recordings = variations.into_iter().enumerate().map(|(i, variation)| {
-                let varied = &mean + DVector::from_vec(variation);
-                let wave = chart.wave(&varied).expect("far from overflow");
-                recording(format!("recording {}", i + 1), &wave)
-            });
-            Demonstrations::new(recordings.collect(), Duration::Seconds(gesture.period()))
-                .expect("recordings of one period in which every joint moves")
-        })
+        let mean = chart.vector(&gesture).expect("its own chart");
+        let recordings = variations.iter().enumerate().map(|(i, variation)| {
+            let varied = &mean + DVector::from_column_slice(&variation[..chart.dimension()]);
+            let wave = chart.wave(&varied).expect("far from overflow");
+            recording(format!("recording {}", i + 1), &wave)
+        });
+        Demonstrations::new(recordings.collect(), Duration::Seconds(gesture.period()))
+            .expect("recordings of one period in which every joint moves")
     })
 }
 

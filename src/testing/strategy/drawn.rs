@@ -87,9 +87,7 @@ impl DrawnWave {
         let gaussian = self.primitive.gaussian();
         let (latent, cycles) = self.z.split_at(gaussian.latent());
         let x = gaussian.at_latent(&mut latent.to_vec());
-        let white = Whitening::of(gaussian)
-            .apply(&x, 1)
-            .expect("draws are within the span");
+        let white = Whitening::of(gaussian).projected(&(x - gaussian.mean()));
         let cycles: f64 = cycles.iter().map(|z| z * z).sum();
         (white.norm_squared() + cycles).sqrt()
     }

@@ -20,17 +20,23 @@ use crate::primitive::Gaussian;
 ///
 /// # Panics
 /// When `dimension` is 0.
+#[track_caller]
 pub fn gaussians(dimension: usize, rank: usize) -> impl Strategy<Value = Gaussian> {
     assert!(dimension > 0, "dimension: at least 1");
-    (
-        vec(-1.0..1.0f64, dimension),
-        vec(-0.5..0.5f64, dimension * rank),
+    numbers(dimension, rank).prop_map(move |numbers| of(&numbers, dimension, rank))
+}
+
+/// Means, and factors by rows, of up to this dimension.
+pub(super) fn numbers(dimension: usize, rank: usize) -> impl Strategy<Value = [Vec<f64>; 2]> {
+    let factor = vec(-0.5..0.5f64, dimension * rank);
+    (vec(-1.0..1.0f64, dimension), factor).prop_map(|(mean, factor)| [mean, factor])
+}
+
+/// The Gaussian of the first `dimension` of these.
+pub(super) fn of([mean, factor]: &[Vec<f64>; 2], dimension: usize, rank: usize) -> Gaussian {
+    Gaussian::new(
+        DVector::from_column_slice(&mean[..dimension]),
+        DMatrix::from_row_slice(dimension, rank, &factor[..dimension * rank]),
     )
-        .prop_map(move |(mean, factor)| {
-            Gaussian::new(
-                DVector::from_vec(mean),
-                DMatrix::from_vec(dimension, rank, factor),
-            )
-            .expect("finite and of fitting sizes")
-        })
+    .expect("finite and of fitting sizes")
 }

@@ -53,6 +53,7 @@ pub(super) struct LatentTree {
     /// Whether the scale is sought for the second time.
     is_last: bool,
     part: usize,
+    is_done: bool,
 }
 
 impl LatentTree {
@@ -72,6 +73,7 @@ impl LatentTree {
             block: 0,
             is_last: false,
             part: 0,
+            is_done: false,
         }
     }
 
@@ -140,7 +142,8 @@ impl ValueTree for LatentTree {
         if self.is_scaling() {
             self.passes = self.scale;
         }
-        self.advance()
+        // Back at what fails it says so once: a tree that has nowhere to go back to ends the shrinking of all that is drawn beside it.
+        self.advance() || !std::mem::replace(&mut self.is_done, true)
     }
 }
 
@@ -178,6 +181,15 @@ mod tests {
         assert_eq!(draw.z, z);
         assert_eq!(draw.silent, [false; 2]);
         assert!(tries < 20, "{tries}");
+    }
+
+    /// Along the way that is left it may fail sooner than along the one that was drawn.
+    #[test]
+    fn what_is_left_is_scaled_again() {
+        let fails = |z: &[f64]| z[0] >= 1.0 || z[1] < 1.0 && z[0] >= 0.5;
+        let (draw, _) = shrunk(LatentTree::new(vec![2.0, 10.0], 0), |d| fails(&d.z));
+        assert!((0.5..0.5 + 2.0 * FINEST).contains(&draw.z[0]), "{draw:?}");
+        assert_eq!(draw.z[1], 0.0);
     }
 
     #[test]

@@ -25,6 +25,7 @@ use crate::motion::{Waypoint, Waypoints};
 ///
 /// # Panics
 /// When `joints` is an empty range or starts at 0, or `count` is empty or starts below 2.
+#[track_caller]
 pub fn waypoints(
     joints: RangeInclusive<usize>,
     count: RangeInclusive<usize>,
@@ -97,6 +98,7 @@ impl Format {
 ///
 /// # Panics
 /// As [`waypoints`] does.
+#[track_caller]
 pub fn moves(
     format: Format,
     joints: RangeInclusive<usize>,

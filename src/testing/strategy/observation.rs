@@ -30,6 +30,7 @@ use crate::primitive::{FourierMovementPrimitive, Observation};
 ///
 /// # Panics
 /// When `count` is an empty range, or goes beyond the rank of the primitive: more exact values would contradict each other.
+#[track_caller]
 pub fn observations(
     primitive: &FourierMovementPrimitive,
     count: RangeInclusive<usize>,

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use proptest::prelude::*;
 
-use super::{gaussians, waves};
+use super::gaussian::{numbers, of};
+use super::waves;
 use crate::primitive::{FourierMovementPrimitive, LogPolar};
 
 /// Primitives of up to so many joints and harmonics, and of this rank: a chart of [`waves`] with a Gaussian of [`gaussians`]. They shrink as these
@@ -23,16 +24,17 @@ use crate::primitive::{FourierMovementPrimitive, LogPolar};
 ///
 /// # Panics
 /// When `joints` or `harmonics` is an empty range or starts at 0.
+#[track_caller]
 pub fn primitives(
     joints: RangeInclusive<usize>,
     harmonics: RangeInclusive<usize>,
     rank: usize,
 ) -> impl Strategy<Value = FourierMovementPrimitive> {
-    waves(joints, harmonics).prop_flat_map(move |wave| {
+    let largest = 2 * joints.end() * harmonics.end() + joints.end();
+    (waves(joints, harmonics), numbers(largest, rank)).prop_map(move |(wave, numbers)| {
         let chart = LogPolar::of(&wave);
-        gaussians(chart.dimension(), rank).prop_map(move |gaussian| {
-            FourierMovementPrimitive::new(chart.clone(), gaussian)
-                .expect("a Gaussian of the chart's dimension, far from overflow")
-        })
+        let gaussian = of(&numbers, chart.dimension(), rank);
+        FourierMovementPrimitive::new(chart, gaussian)
+            .expect("a Gaussian of the chart's dimension, far from overflow")
     })
 }

@@ -28,6 +28,7 @@ const ROOM: f64 = 2.0;
 ///
 /// # Panics
 /// When `objects` is an empty range.
+#[track_caller]
 pub fn scene_texts(objects: RangeInclusive<usize>) -> impl Strategy<Value = String> {
     require_counts("objects", &objects, 0);
     let place = || prop::array::uniform3(-ROOM..ROOM);
@@ -79,6 +80,7 @@ pub fn scene_texts(objects: RangeInclusive<usize>) -> impl Strategy<Value = Stri
 ///
 /// # Panics
 /// When `objects` is an empty range.
+#[track_caller]
 pub fn scenes(objects: RangeInclusive<usize>) -> impl Strategy<Value = Scene> {
     scene_texts(objects).prop_map(|text| Scene::from_toml(&text).expect("built to be a scene"))
 }

@@ -46,6 +46,7 @@ struct Drawn {
 ///
 /// # Panics
 /// When `joints` is an empty range or starts at 0.
+#[track_caller]
 pub fn trees(joints: RangeInclusive<usize>) -> impl Strategy<Value = String> {
     require_counts("joints", &joints, 1);
     let axis = [-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64].prop_map(|a| {

@@ -29,28 +29,36 @@ const LARGER: f64 = 3.5;
 ///
 /// # Panics
 /// When `joints` or `harmonics` is an empty range or starts at 0.
+#[track_caller]
 pub fn waves(
     joints: RangeInclusive<usize>,
     harmonics: RangeInclusive<usize>,
 ) -> impl Strategy<Value = Wave> {
     require_counts("joints", &joints, 1);
     require_counts("harmonics", &harmonics, 1);
-    (joints, harmonics, 0.5..10.0).prop_flat_map(|(joints, harmonics, period)| {
-        let polar = (0.0..LARGER, 0.0..std::f64::consts::TAU);
-        (vec(polar, joints * harmonics), vec(-2.0..2.0f64, joints)).prop_map(
-            move |(weights, offsets)| {
-                let weights = weights.iter().map(|(logarithm, phase)| {
-                    Complex::from_polar((SMALLEST + logarithm).exp(), *phase)
-                });
-                Wave::new(
-                    Joints::new((0..joints).map(|d| format!("joint_{d}")))
-                        .expect("at least one joint"),
-                    period,
-                    DVector::from_vec(offsets),
-                    DMatrix::from_iterator(joints, harmonics, weights),
-                )
-                .expect("drawn within what a wave may be")
-            },
-        )
-    })
+    let (most_joints, most_harmonics) = (*joints.end(), *harmonics.end());
+    let polar = (0.0..LARGER, 0.0..std::f64::consts::TAU);
+    // The shape first, and the rest as it is for the largest one, so that fewer joints leave the others as they are: what is drawn anew for
+    // each shape is shrunk anew for each.
+    let weights = vec(polar, most_joints * most_harmonics);
+    (
+        joints,
+        harmonics,
+        0.5..10.0,
+        weights,
+        vec(-2.0..2.0f64, most_joints),
+    )
+        .prop_map(move |(joints, harmonics, period, weights, offsets)| {
+            let weights = DMatrix::from_fn(joints, harmonics, |d, k| {
+                let (logarithm, phase) = weights[d * most_harmonics + k];
+                Complex::from_polar((SMALLEST + logarithm).exp(), phase)
+            });
+            Wave::new(
+                Joints::new((0..joints).map(|d| format!("joint_{d}"))).expect("at least one joint"),
+                period,
+                DVector::from_column_slice(&offsets[..joints]),
+                weights,
+            )
+            .expect("drawn within what a wave may be")
+        })
 }
