@@ -94,3 +94,6 @@ impl Bends {
         lowest - highest - a.convex.margin() - b.convex.margin() - self.rest
     }
 }
+
+#[cfg(test)]
+mod tests;

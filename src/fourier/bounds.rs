@@ -297,6 +297,13 @@ mod tests {
     }
 
     #[test]
+    fn a_magnitude_is_that_of_the_end_that_is_farther_from_zero() {
+        let of = |lower, upper| Interval { lower, upper }.magnitude();
+        assert_eq!([of(-3.0, 1.0), of(-1.0, 3.0)], [3.0; 2]);
+        assert_eq!([of(-3.0, -1.0), of(1.0, 3.0)], [3.0; 2]);
+    }
+
+    #[test]
     fn range_meets_the_analytic_extremes() {
         let range = wave().range(0, Derivative::Position);
         assert!(range.upper >= 0.9 && range.upper < 0.9 + 2e-6, "{range:?}");

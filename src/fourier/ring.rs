@@ -288,6 +288,18 @@ mod tests {
             .sum()
     }
 
+    #[test]
+    fn interpolation_goes_through_its_values() {
+        for cycles in [1, 2, 3, 4, 10] {
+            let ring = CycleRing::new(cycles).unwrap();
+            for m in 0..cycles {
+                let expected = f64::from(u8::from(m == 0));
+                let found = ring.interpolation[POINTS * m];
+                assert!((found - expected).abs() < 1e-12, "{cycles}, {m}: {found}");
+            }
+        }
+    }
+
     /// The definition in the documentation, integrated by the midpoint rule on a fine grid over one ring.
     fn by_definition(steady: &Wave, points: usize) -> Vec<DVector<f64>> {
         let cycles = AMPLITUDE.len() as f64;

@@ -259,3 +259,33 @@ impl FourierMovementPrimitive {
         Self::new(scatter.chart, gaussian)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// The log density of all under the normal law that makes them most probable.
+    fn normal(values: &[f64]) -> f64 {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
+        let density = |v: &f64| -0.5 * ((v - mean).powi(2) / variance + (TAU * variance).ln());
+        values.iter().map(density).sum()
+    }
+
+    #[test]
+    fn the_advantage_of_a_logarithm_is_by_how_much_more_probable_the_offsets_are() {
+        for offsets in [
+            [0.1, 0.2, 0.4, 0.8],
+            [-1.0, -1.1, -1.2, -1.3],
+            [2.0, 2.1, 2.0, 2.2],
+        ] {
+            // A density of the offset itself: that of its logarithm, over the offset.
+            let logarithms = offsets.map(|o: f64| o.abs().ln());
+            let expected = normal(&logarithms) - logarithms.iter().sum::<f64>() - normal(&offsets);
+            assert!((advantage(&offsets) - expected).abs() < 1e-9, "{offsets:?}");
+        }
+    }
+}

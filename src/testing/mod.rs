@@ -55,6 +55,11 @@
 //! # few_waves_are_hasty();
 //! ```
 //!
+//! # Strategies
+//!
+//! Each says what it draws and to what it shrinks: fewer joints first, then simpler ones. Numbers from a range go to the least of it or stay
+//! about where they were drawn; the boundary between what fails and what passes is sought for [`waves_of`] alone, along the way to the mean.
+//!
 //! # Statistical assertions
 //!
 //! | asked | test | of true samples |

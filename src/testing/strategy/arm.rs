@@ -61,7 +61,8 @@ struct Drawn {
 /// to titanium (500 to 4500 kg/m^3), all of it collision geometry. Half of the axes are x, y or z, the others any; a third of the joints
 /// are tilted, by up to 1 rad about each of x, y and z; limits lie 0.2 to 3 rad to either side of 0, one joint in ten has none; speeds up to 0.5 to 5 rad/s,
 /// torques up to 20 to 200 N m. Joints are called `joint_0` to the tip, links `base` and `link_0` and so on. Every arm is valid and has dynamics;
-/// bent ones may touch themselves. They shrink to fewer joints, axes along z, straight arms, and dimensions at their least.
+/// bent ones may touch themselves. They shrink to fewer joints, axes along z, straight arms, joints without limits, and
+/// dimensions at their least.
 ///
 /// ```
 /// use proptest::prelude::*;
