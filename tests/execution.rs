@@ -53,6 +53,10 @@ fn twenty_seeds_a_condition_are_tracked_without_touching() {
                 rollout.rms_error()
             );
             assert_eq!(rollout.saturated, [0; 6], "seed {seed}");
+            for (j, torques) in rollout.torque.column_iter().enumerate() {
+                let peak = torques.iter().fold(0.0, |a: f64, t| a.max(t.abs()));
+                assert_eq!(rollout.peak_torque()[j], peak, "seed {seed}, joint {j}");
+            }
             // What was achieved keeps limits and distance too.
             for q in rollout.position.row_iter() {
                 let q: Vec<f64> = q.iter().copied().collect();

@@ -328,3 +328,47 @@ fn acceleration_limits_hold_over_joins() {
         assert!(state.acceleration.amax() <= 40.0);
     }
 }
+
+/// A ball on an arm that turns about a post and can be raised, and a post in its way: straight over is not possible, a detour is.
+#[test]
+fn a_way_around_what_stands_in_between_is_clear() {
+    let robot = Robot::from_urdf(
+        r#"<robot name="crane"><link name="base"/><link name="post"/><link name="arm">
+        <collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <joint name="turn" type="revolute"><parent link="base"/><child link="post"/><axis xyz="0 0 1"/>
+        <limit lower="-2" upper="2" velocity="3" effort="9"/></joint>
+        <joint name="raise" type="revolute"><parent link="post"/><child link="arm"/><axis xyz="0 -1 0"/>
+        <limit lower="-1.2" upper="1.2" velocity="3" effort="9"/></joint></robot>"#,
+    )
+    .unwrap();
+    let scene = Scene::from_toml(
+        "[[object]]\nname = \"pole\"\nsphere = { radius = 0.15 }\nposition = [1, 0, 0]",
+    )
+    .unwrap();
+    let options = CollisionOptions {
+        scene,
+        ..CollisionOptions::default()
+    };
+    let collision = CollisionModel::new(&robot, &options).unwrap();
+    let wave = Wave::new(
+        robot.joints().clone(),
+        1.0,
+        DVector::from_vec(vec![0.8, 0.0]),
+        DMatrix::from_column_slice(2, 1, &[Complex::new(0.05, 0.0), Complex::new(0.0, 0.02)]),
+    )
+    .unwrap();
+    // Straight on it touches.
+    let straight = (0..=100).map(|n| -0.8 + 0.016 * f64::from(n));
+    let touches = |turn: f64| collision.clearance(&[turn, 0.0]).unwrap().distance < 0.0;
+    assert!(straight.clone().any(touches));
+    let checked = CheckOptions::default();
+    let mut passages = Passages::new(&robot, collision.prover(), checked);
+    let performance = passages.perform(&[&wave], &[-0.8, 0.0], 2.0).unwrap();
+    let sequence = performance.sequence;
+    let mut state = State::zeros(2);
+    for n in 0..=(sequence.duration() / STEP) as usize {
+        sequence.state_into(n as f64 * STEP, &mut state);
+        let q = state.position.as_slice();
+        assert!(collision.clearance(q).unwrap().distance > 0.0, "{n}: {q:?}");
+    }
+}

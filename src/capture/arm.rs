@@ -259,3 +259,37 @@ impl ArmMotion {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A forearm that leaves the plane in which the elbow bends: pronation and wrist are reckoned from where it points, first bent and then carried.
+    #[test]
+    fn the_wrist_is_measured_from_a_forearm_that_is_carried_outward() {
+        let (elbow, carrying) = (1.1, 0.2);
+        let [pronation, bend, deviation] = [0.4, -0.3, 0.25];
+        let humerus = about_x(-0.5) * about_z(-0.3) * about_y(0.2);
+        let turn = about_x(-elbow) * about_z(-carrying);
+        let hand = humerus * turn * about_y(pronation) * about_z(bend) * about_x(-deviation);
+        let pose = Pose {
+            humerus,
+            forearm: turn * -Vector3::y(),
+            hand: Some(hand),
+        };
+        let motion = ArmMotion {
+            side: Side::Right,
+            times: vec![0.0, 1.0],
+            poses: vec![pose.clone(), pose],
+            hinge_roll: 0.0,
+            notes: Vec::new(),
+        };
+        let captured = motion.angles("carried", ShoulderOrder::Xzy).unwrap();
+        let found = captured.recording.positions();
+        let expected = [0.5, 0.3, 0.2, elbow, pronation, bend, deviation];
+        for (joint, expected) in expected.iter().enumerate() {
+            let found = found[(0, joint)];
+            assert!((found - expected).abs() < 1e-12, "{joint}: {found}");
+        }
+    }
+}

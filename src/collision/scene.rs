@@ -311,6 +311,26 @@ mod tests {
         assert!((end - Point3::new(1.0, 2.0, 1.0)).norm() < 1e-12, "{end}");
     }
 
+    /// About fixed axes: roll about x first, then pitch about y, then yaw about z.
+    #[test]
+    fn an_object_is_turned_as_rpy_says() {
+        let scene = Scene::from_toml(
+            "[[object]]\nname = \"a\"\nbox = { size = [1, 2, 3] }\nrpy = [\"90deg\", 0, \"90deg\"]\nposition = [1, 0, 0]",
+        )
+        .unwrap();
+        let SceneShape::Solid(_, pose) = &scene.objects()[0].shape else {
+            panic!("{scene:?}");
+        };
+        for (from, to) in [
+            (Vector3::x(), Vector3::y()),
+            (Vector3::y(), Vector3::z()),
+            (Vector3::z(), Vector3::x()),
+        ] {
+            assert!((pose * from - to).norm() < 1e-12, "{from} {to}");
+        }
+        assert_eq!(pose.translation.vector, Vector3::x());
+    }
+
     #[test]
     fn what_is_wrong_is_named() {
         for (text, message) in [

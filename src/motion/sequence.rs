@@ -317,6 +317,41 @@ mod tests {
         Spline::new(&waypoints.unwrap(), StartPosture::Given).unwrap()
     }
 
+    #[test]
+    fn extremes_of_a_leg_are_those_of_the_part_that_is_waved() {
+        let wave = wave();
+        for (from, duration) in [(0.0, 0.3), (0.4, 0.2), (0.9, 0.5), (1.2, 1.1), (0.7, 3.0)] {
+            let leg = Leg::Wave {
+                wave: wave.clone(),
+                from,
+                duration,
+            };
+            for joint in 0..2 {
+                for derivative in [Derivative::Position, Derivative::Velocity] {
+                    let values = (0..=4000).map(|n| {
+                        let state = wave.state(from + duration * f64::from(n) / 4000.0);
+                        match derivative {
+                            Derivative::Position => state.position[joint],
+                            _ => state.velocity[joint],
+                        }
+                    });
+                    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |s, x| {
+                        (s.0.min(x), s.1.max(x))
+                    });
+                    let range = leg.extremes(joint, derivative).range;
+                    assert!(
+                        range.lower <= low && range.lower > low - 1e-4,
+                        "{range:?}, {low}"
+                    );
+                    assert!(
+                        range.upper >= high && range.upper < high + 1e-4,
+                        "{range:?}, {high}"
+                    );
+                }
+            }
+        }
+    }
+
     fn sequence() -> Sequence {
         let wave = wave();
         let rest = State::zeros(2);

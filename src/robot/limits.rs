@@ -79,3 +79,33 @@ fn softened(joint: &urdf_rs::Joint, hard: Interval, notes: &mut Vec<String>) -> 
     }
     both
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::fourier::Interval;
+    use crate::robot::Robot;
+
+    #[test]
+    fn soft_limits_hold_where_they_are_the_narrower_ones() {
+        for (soft, expected) in [
+            ([-0.5, 0.4], [-0.5, 0.4]),
+            ([-2.0, 0.4], [-1.0, 0.4]),
+            ([-0.5, 2.0], [-0.5, 1.0]),
+            ([-2.0, 2.0], [-1.0, 1.0]),
+            ([0.0, 0.0], [-1.0, 1.0]),
+            ([2.0, 3.0], [-1.0, 1.0]),
+        ] {
+            let robot = Robot::from_urdf(&format!(
+                r#"<robot name="r"><link name="base"/><link name="arm"/>
+                <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/>
+                <limit lower="-1" upper="1" velocity="1" effort="1"/>
+                <safety_controller k_velocity="1" soft_lower_limit="{}" soft_upper_limit="{}"/></joint></robot>"#,
+                soft[0], soft[1]
+            ))
+            .unwrap();
+            let [lower, upper] = expected;
+            let found = robot.properties(0).position;
+            assert_eq!(found, Some(Interval { lower, upper }), "{soft:?}");
+        }
+    }
+}

@@ -44,3 +44,28 @@ impl Robot {
         Ok(loaded)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn a_load_on_a_link_that_is_mounted_hangs_where_the_mount_puts_it() {
+        let robot = Robot::from_urdf(
+            r#"<robot name="r"><link name="base"/><link name="arm"/><link name="hand"/>
+            <joint name="turn" type="continuous"><parent link="base"/><child link="arm"/></joint>
+            <joint name="mount" type="fixed"><parent link="arm"/><child link="hand"/>
+            <origin xyz="0.3 0 0" rpy="0 0 1.5707963267948966"/></joint></robot>"#,
+        )
+        .unwrap();
+        let loaded = robot
+            .carrying("hand", 2.0, &Point3::new(0.1, 0.0, 0.05))
+            .unwrap();
+        let body = robot.link("hand").unwrap().body;
+        let inertial = loaded.bodies()[body].inertial.as_ref().unwrap();
+        assert_eq!(inertial.mass, 2.0);
+        assert!((inertial.center - Vector3::new(0.3, 0.1, 0.05)).norm() < 1e-12);
+    }
+}

@@ -64,6 +64,28 @@ fn the_minimum_is_between_its_bounds_and_no_sample_is_below() {
     }
 }
 
+/// The same padding about all pairs is taken off the distance of the nearest.
+#[test]
+fn padding_comes_off_the_clearance_at_a_configuration() {
+    for (name, robot, options, _) in robots::robots() {
+        let padded = CollisionOptions {
+            padding: 0.05,
+            ..options.clone()
+        };
+        let model = CollisionModel::new(&robot, &options).unwrap();
+        let padded = CollisionModel::new(&robot, &padded).unwrap();
+        for number in 0..50 {
+            let wave = random_wave(&robot, HARMONICS, PERIOD, 1.0, &mut stream(4, number));
+            let q = wave.position(0.0);
+            let [bare, found] = [&model, &padded].map(|m| m.clearance(q.as_slice()).unwrap());
+            assert!(
+                (bare.distance - 0.05 - found.distance).abs() < ROUNDING,
+                "{name} {number}: {bare:?}, {found:?}"
+            );
+        }
+    }
+}
+
 /// What was asked before changes no answer: a prover keeps where it was nearest, and nothing of what it looked for.
 #[test]
 fn a_prover_that_is_used_answers_as_a_new_one() {

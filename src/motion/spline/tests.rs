@@ -422,3 +422,23 @@ fn a_start_or_end_in_motion_is_told() {
     assert_eq!(notes.len(), 2, "{notes:?}"); // b starts at 0.5 as it is
     assert!(notes[0].contains("starts with joint `a` at 0.25"));
 }
+
+/// It starts at rest and ends in motion.
+#[test]
+fn an_end_in_motion_is_a_jump() {
+    let joints = Joints::new(["a"]).unwrap();
+    let at = |time, [q, v]: &[[f64; 1]; 2]| (time, *q, *v);
+    let points = [at(0.0, &[[0.0], [0.0]]), at(2.0, &[[1.0], [0.5]])];
+    let waypoints = points.iter().map(|(time, q, v)| Waypoint {
+        time: *time,
+        positions: q,
+        velocities: Some(v),
+        accelerations: Some(&[0.0]),
+    });
+    let waypoints = Waypoints::new(joints, waypoints).unwrap();
+    let spline = Spline::new(&waypoints, StartPosture::Given).unwrap();
+    let jump = spline.jump(0, Derivative::Velocity).unwrap();
+    assert_eq!(jump.time, 2.0);
+    assert!((jump.size + 0.5).abs() < 1e-12, "{jump:?}");
+    assert!(spline.jump(0, Derivative::Acceleration).is_none());
+}

@@ -1,6 +1,6 @@
 //! What a file says of an arm, against what a robot does.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, UnitQuaternion};
 
 use super::*;
 
@@ -44,6 +44,13 @@ fn directions_turn_as_their_derivatives_say() {
             assert!((difference - rates.column(j)).norm() < 1e-9);
         }
     }
+    // The palm's, through every frame of the file.
+    let about = UnitQuaternion::from_euler_angles;
+    let turned = about(0.3, -0.2, 0.1) * about(0.0, 0.0, q[0]) * about(0.0, q[1], 0.0);
+    let expected = turned * about(1.0, 2.0, 3.0) * Vector3::new(0.0, -1.0, 1.0).normalize();
+    let palm = pointers.iter().position(|p| p.segment == Segment::Palm);
+    let found = arm.directions(&robot, &q).unwrap()[palm.unwrap()];
+    assert!((found - expected).norm() < 1e-12, "{found}");
     // The slider changes where the tip is, not how the hand is turned.
     assert!(rates.column(2).norm() == 0.0 && rates.column(1).norm() > 0.1);
 }
