@@ -20,7 +20,8 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// What it is certain to catch is an energy distance of the distributions, by McDiarmid's inequality for the samples and its twin for
 /// deals (El-Yaniv and Pechyony, JAIR 35, 2009), from the mean distances and the diameter that the samples have. That is a safe
-/// number: distances a tenth as large are nearly always caught.
+/// number: distances a tenth as large are nearly always caught. Of few samples it is more than any two distributions of that diameter are apart,
+/// and that is said.
 ///
 /// ```
 /// use nalgebra::{DVector, dvector};
@@ -41,8 +42,8 @@ const ROUNDING: f64 = 1e-12;
 /// When p is at most `false_alarm`; the alarm tells `seed`.
 ///
 /// # Panics
-/// When `false_alarm` is not within 0..1, there are so few `permutations` or samples that p cannot be that small, or vectors of different
-/// dimensions.
+/// When `false_alarm` is not within 0..1, there are so few `permutations` that p cannot be that small, so few samples that sets which are wholly
+/// apart could pass unnoticed, or vectors of different dimensions.
 #[track_caller]
 pub fn energy(
     one: &[DVector<f64>],

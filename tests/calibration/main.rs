@@ -7,15 +7,16 @@
 mod cases;
 
 use cases::{CASES, Case, failures, numbers};
-use nalgebra::{DVector, dvector};
+use nalgebra::{DVector, dmatrix, dvector};
 use proptest::test_runner::Config;
 use rand::RngExt;
+use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
-use undulate::stream;
 use undulate::testing::{
-    Alarm, Family, Seed, circular_mean, demonstrate_below, distribution, energy, refute_above,
-    retest,
+    Alarm, Family, Seed, circular_mean, demonstrate_below, distribution, energy, gaussian,
+    refute_above, retest,
 };
+use undulate::{Gaussian, stream};
 
 const RUNS: u64 = 2000;
 /// Of false alarms, large enough to be measured.
@@ -186,6 +187,20 @@ fn shifted(
     };
     let (one, other) = (set(0.0), set(shift));
     energy(&one, &other, permutations, Seed(rng.random()), level)
+}
+
+/// In a plane of space, beside a mean that is ten million times as large: what rounding adds is no way out of the plane.
+#[test]
+fn a_spread_that_is_small_beside_the_mean_raises_no_alarm() {
+    let factor = dmatrix![0.4, -0.15; 0.3, 0.2; -0.1, 0.3] * 1e-7;
+    let plane = Gaussian::new(dvector![1.0, -2.0, 0.5], factor).unwrap();
+    let found = (0..200).filter(|k| {
+        let mut rng = stream(503, *k);
+        let draws: Vec<_> = (0..100).map(|_| plane.sample(&mut rng)).collect();
+        gaussian(&draws, &plane, 1e-6).is_err()
+    });
+    // Of true samplers at 1e-6: 200 of them raise one with 2e-4.
+    assert_eq!(found.count(), 0);
 }
 
 /// Their sine is that of the true ones.
