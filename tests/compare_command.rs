@@ -6,7 +6,7 @@ mod program;
 use program::{done, fails, files, json};
 use undulate::{Comparison, ComparisonOptions, ModelKind, Statistic, synthetic};
 
-const QUICK: [&str; 5] = ["compare", "-n", "3", "--folds", "3"];
+const QUICK: [&str; 5] = ["compare", "-n", "2", "--folds", "2"];
 
 fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     QUICK.iter().chain(more).copied().collect()
@@ -26,8 +26,8 @@ fn json_is_the_librarys_comparison_on_any_number_of_threads_but_for_times() {
     }
     assert_eq!(one, two);
     let options = ComparisonOptions {
-        draws: 3,
-        folds: Some(3),
+        draws: 2,
+        folds: Some(2),
         ..ComparisonOptions::default()
     };
     let demonstrations = synthetic(0).unwrap();
