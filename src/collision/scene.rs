@@ -315,16 +315,16 @@ mod tests {
     #[test]
     fn an_object_is_turned_as_rpy_says() {
         let scene = Scene::from_toml(
-            "[[object]]\nname = \"a\"\nbox = { size = [1, 2, 3] }\nrpy = [\"90deg\", 0, \"90deg\"]\nposition = [1, 0, 0]",
+            "[[object]]\nname = \"a\"\nbox = { size = [1, 2, 3] }\nrpy = [\"90deg\", 0, \"180deg\"]\nposition = [1, 0, 0]",
         )
         .unwrap();
         let SceneShape::Solid(_, pose) = &scene.objects()[0].shape else {
             panic!("{scene:?}");
         };
         for (from, to) in [
-            (Vector3::x(), Vector3::y()),
+            (Vector3::x(), -Vector3::x()),
             (Vector3::y(), Vector3::z()),
-            (Vector3::z(), Vector3::x()),
+            (Vector3::z(), Vector3::y()),
         ] {
             assert!((pose * from - to).norm() < 1e-12, "{from} {to}");
         }

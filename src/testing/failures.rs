@@ -74,15 +74,20 @@ pub fn fails_rarely(
     seed: Seed,
     mut property: impl FnMut(&Wave) -> Result<(), Error>,
 ) -> Result<(), Failures> {
-    let (mut first, mut draw) = (None, 0);
+    let (mut first, mut draw, mut failures) = (None, 0, 0);
     let outcome = fails_at_most(p, confidence, trials, seed, |rng| {
         let why = property(&primitive.sample(rng)).err();
         let has_failed = why.is_some();
         first = first.take().or(why.map(|why| (draw, why)));
         draw += 1;
+        failures += u64::from(has_failed);
         has_failed
     });
-    outcome.map_err(|alarm| Failures { alarm, first })
+    outcome.map_err(|alarm| Failures {
+        alarm,
+        failures,
+        first,
+    })
 }
 
 /// Why a primitive's waves are not believed to fail so rarely.
@@ -90,6 +95,8 @@ pub fn fails_rarely(
 pub struct Failures {
     /// What is not demonstrated.
     pub alarm: Alarm,
+    /// How many draws failed.
+    pub failures: u64,
     /// The number of the first draw that failed, and why it did; `None` when none did.
     pub first: Option<(u64, Error)>,
 }
@@ -98,7 +105,11 @@ impl fmt::Display for Failures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(&self.alarm, f)?;
         match &self.first {
-            Some((draw, why)) => write!(f, "; draw {draw} fails first: {why}"),
+            Some((draw, why)) => write!(
+                f,
+                "; {} draws fail, draw {draw} first: {why}",
+                self.failures
+            ),
             None => Ok(()),
         }
     }

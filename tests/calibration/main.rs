@@ -10,7 +10,6 @@ use cases::{CASES, Case, failures, numbers};
 use nalgebra::{DVector, dmatrix, dvector};
 use proptest::test_runner::Config;
 use rand::RngExt;
-use rand::distr::Distribution;
 use rand::rngs::ChaCha8Rng;
 use undulate::testing::{
     Alarm, Family, Seed, circular_mean, demonstrate_below, distribution, energy, gaussian,

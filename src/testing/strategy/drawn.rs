@@ -6,11 +6,15 @@ use std::sync::Arc;
 
 use num_complex::Complex;
 use proptest::prelude::*;
+use statrs::function::gamma::gamma_ur;
 
 use super::super::gaussian::Whitening;
 use super::latent::{Draw, Latent};
 use crate::fourier::Wave;
 use crate::primitive::FourierMovementPrimitive;
+
+/// Harmonics below this share of a joint's largest are not printed.
+const UNHEARD: f64 = 1e-6;
 
 /// Waves as a primitive draws them. They shrink towards its mean: first the latent vector z as a whole, by halving, then its
 /// entries to 0, one by one, then what is left as a whole again. So the counterexample is the most typical wave that fails along its own direction, with the
@@ -92,6 +96,16 @@ impl DrawnWave {
         (white.norm_squared() + cycles).sqrt()
     }
 
+    /// What share of all draws is farther from the mean: chi-square of as many degrees as numbers are drawn.
+    fn share_beyond(&self) -> f64 {
+        let gaussian = self.primitive.gaussian();
+        let degrees = gaussian.rank() + self.z.len() - gaussian.latent();
+        match degrees {
+            0 => 1.0,
+            degrees => gamma_ur(degrees as f64 / 2.0, self.mahalanobis().powi(2) / 2.0),
+        }
+    }
+
     /// Whether it is a draw as it is, no part of it silenced.
     pub fn is_drawn(&self) -> bool {
         !self.silent.contains(&true)
@@ -134,19 +148,20 @@ impl fmt::Debug for DrawnWave {
         } else {
             " before parts were silenced"
         };
+        let (distance, rarer) = (self.mahalanobis(), 100.0 * self.share_beyond());
         write!(
             f,
-            "a wave of period {} s, Mahalanobis distance {:.4}{before}",
+            "a wave of period {} s, Mahalanobis distance {distance:.4} ({rarer:.3} % of draws are farther from the mean){before}",
             self.period(),
-            self.mahalanobis()
         )?;
         for (d, joint) in self.joints().iter().enumerate() {
-            write!(f, "\n  {joint}: {:.4}", self.offsets()[d])?;
+            write!(f, "\n  {joint}: about {:.4} rad", self.offsets()[d])?;
             let row = self.weights().row(d);
-            let heard = row.iter().enumerate().filter(|(_, w)| **w != Complex::ZERO);
+            let least = UNHEARD * row.iter().map(|w| w.norm()).fold(0.0, f64::max);
+            let heard = row.iter().enumerate().filter(|(_, w)| w.norm() > least);
             for (n, (k, w)) in heard.enumerate() {
                 let before = if n == 0 {
-                    "; modulus and phase of harmonics"
+                    "; half the amplitude [rad] and phase of harmonics"
                 } else {
                     ","
                 };
