@@ -212,6 +212,31 @@ mod tests {
     /// What a posture is off by in rounding \[m\].
     const ROUNDING: f64 = 1e-12;
 
+    /// Up from the first part as far as the ways to the base part, then down to the second: what comes later in a chain is moved by what comes before.
+    #[test]
+    fn a_chain_goes_from_the_first_part_to_the_second() {
+        for name in shipped::robots() {
+            let robot = shipped::robot(name).unwrap();
+            let model = CollisionModel::new(&robot, &CollisionOptions::default()).unwrap();
+            let joints = model.frames.joints();
+            for (number, pair) in model.pairs.iter().enumerate() {
+                let [from, to] = [pair.parts.0, pair.parts.1].map(|part| model.parts[part].body);
+                let mut at = from;
+                for step in model.chains.of(number) {
+                    let (body, parent) = (step.joint() + 1, joints[step.joint()].parent);
+                    let [here, there] = if step.sign() < 0.0 {
+                        [body, parent]
+                    } else {
+                        [parent, body]
+                    };
+                    assert_eq!(at, here, "{name}: {:?}", pair.names);
+                    at = there;
+                }
+                assert!(at == to || !pair.is_checked(), "{name}: {:?}", pair.names);
+            }
+        }
+    }
+
     #[test]
     fn no_ball_is_farther_from_an_axis_than_it_can_be() {
         for name in shipped::robots() {

@@ -86,6 +86,20 @@ mod tests {
     use crate::robot::Robot;
 
     #[test]
+    fn a_joint_rests_at_0_or_as_near_to_it_as_it_may() {
+        for (limits, expected) in [([-1.0, 2.0], 0.0), ([0.5, 2.0], 0.5), ([-2.0, -0.5], -0.5)] {
+            let robot = Robot::from_urdf(&format!(
+                r#"<robot name="r"><link name="base"/><link name="arm"/>
+                <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/>
+                <limit lower="{}" upper="{}" velocity="1" effort="1"/></joint></robot>"#,
+                limits[0], limits[1]
+            ))
+            .unwrap();
+            assert_eq!(robot.rest(), [expected], "{limits:?}");
+        }
+    }
+
+    #[test]
     fn soft_limits_hold_where_they_are_the_narrower_ones() {
         for (soft, expected) in [
             ([-0.5, 0.4], [-0.5, 0.4]),
