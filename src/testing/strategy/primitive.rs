@@ -8,7 +8,7 @@ use super::gaussian::{numbers, of};
 use super::waves;
 use crate::primitive::{FourierMovementPrimitive, LogPolar};
 
-/// Primitives of up to so many joints and harmonics, and of this rank: a chart of [`waves`] with a Gaussian of [`gaussians`]. They shrink as these
+/// Primitives of up to so many joints and harmonics, and of this rank: a chart of [`waves`] with a Gaussian of [`gaussians`](super::gaussians). They shrink as these
 /// do, to fewer joints and harmonics, and to a mean of 0 without variance.
 ///
 /// ```
