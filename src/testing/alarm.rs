@@ -13,7 +13,7 @@ use super::Seed;
 /// assert_eq!(
 ///     alarm.to_string(),
 ///     "lower bound of a probability: 0.036844 is outside 0 .. 0.010000 with N = 300, seed 7; \
-///      with 99 % power: a probability of 0.083172"
+///      with 99 % power: a probability of 0.083205"
 /// );
 /// ```
 #[derive(Clone, PartialEq)]

@@ -1,7 +1,8 @@
 //! What is said of an interval against the shapes within it.
 
 use fearless_simd::{Level, dispatch};
-use rand::RngExt;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 
 use super::*;
 use crate::collision::filter::Falls;
@@ -9,7 +10,6 @@ use crate::collision::{CollisionOptions, PartGeometry};
 use crate::geometry::{Placement, Warm, signed_distance};
 use crate::motion::LANES;
 use crate::robot::Robot;
-use crate::stream;
 
 /// Times within an interval, ends included.
 const TIMES: i32 = 20;
@@ -70,7 +70,7 @@ fn no_bound_is_above_what_is_within_the_interval() {
 /// Of postures with the first joint so far from straight at most. By how much the bound of second order was nearest below the least that was seen,
 /// as a share of the time squared.
 fn bounds_hold(model: &CollisionModel, most: f64) -> f64 {
-    let mut rng = stream(5, 0);
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
     let mut tightest = f64::INFINITY;
     for _ in 0..2000 {
         let mut random = |size: f64| size * (2.0 * rng.random::<f64>() - 1.0);
