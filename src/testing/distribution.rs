@@ -11,7 +11,7 @@ pub(super) const ELSEWHERE: &str = "half of all probability elsewhere";
 /// Have independent numbers this distribution function, which must be continuous? By Kolmogorov and Smirnov's largest distance from the
 /// empirical one, with Massart's bound P(distance > d) <= 2 exp(-2 N d^2) (Annals of Probability 18, 1990). It holds at any N, and is
 /// conservative, the more so the rarer the alarm: at a `false_alarm` of 0.05 the true probability is less by a few percent at N = 1000 and by a fifth at
-/// N = 20, at 1e-6 by 7 % at N = 1000 and a third at N = 100.
+/// N = 20, at 1e-6 by 7 % at N = 1000 and a third at N = 100 (the exact law: Simard and L'Ecuyer, Journal of Statistical Software 39, 2011).
 ///
 /// What it catches is a largest distance of the true distribution function from `distribution`, wherever it is: at that place the count of
 /// samples is binomial, and Hoeffding's inequality adds sqrt(ln 100 / 2N) to the threshold.

@@ -96,13 +96,13 @@ impl DrawnWave {
         (white.norm_squared() + cycles).sqrt()
     }
 
-    /// What share of all draws is farther from the mean: chi-square of as many degrees as numbers are drawn.
-    fn share_beyond(&self) -> f64 {
+    /// What share of all draws is farther from the mean than so many standard deviations: chi-square of as many degrees as numbers are drawn.
+    fn share_beyond(&self, distance: f64) -> f64 {
         let gaussian = self.primitive.gaussian();
         let degrees = gaussian.rank() + self.z.len() - gaussian.latent();
         match degrees {
             0 => 1.0,
-            degrees => gamma_ur(degrees as f64 / 2.0, self.mahalanobis().powi(2) / 2.0),
+            degrees => gamma_ur(degrees as f64 / 2.0, distance.powi(2) / 2.0),
         }
     }
 
@@ -148,10 +148,11 @@ impl fmt::Debug for DrawnWave {
         } else {
             " before parts were silenced"
         };
-        let (distance, rarer) = (self.mahalanobis(), 100.0 * self.share_beyond());
+        let distance = self.mahalanobis();
+        let farther = 100.0 * self.share_beyond(distance);
         write!(
             f,
-            "a wave of period {} s, Mahalanobis distance {distance:.4} ({rarer:.3} % of draws are farther from the mean){before}",
+            "a wave of period {} s, Mahalanobis distance {distance:.4} ({farther:.3} % of draws are farther from the mean){before}",
             self.period(),
         )?;
         for (d, joint) in self.joints().iter().enumerate() {
