@@ -165,8 +165,8 @@ pub use feasibility::{
     limits, limits_with, mend, without_velocity_limit,
 };
 pub use fourier::{
-    Autoregression, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints, PeriodGrid,
-    State, Wave,
+    Autoregression, CycleResidual, CycleRing, Derivative, Extremes, FourierBasis, Interval, Joints,
+    PeriodGrid, State, Wave,
 };
 #[cfg(feature = "robot")]
 pub use geometry::{

@@ -69,7 +69,7 @@ impl Wish {
 /// The models that are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelKind {
-    /// Ours, a cycle of each recording's own tempo with its jitter.
+    /// Ours, a cycle of each recording's own tempo with its jitter and what cycles leave.
     Cycle,
     /// Ours, one period common to all, as in the paper.
     CommonPeriod,

@@ -17,7 +17,11 @@ pub(super) fn cycle(
 ) -> Result<FourierMovementPrimitive> {
     let fits = CycleFits::new(recordings, harmonics)?;
     let longest = fits.fits().iter().map(|fit| fit.cycles).fold(1.0, f64::max);
-    FourierMovementPrimitive::from_cycles(&fits, longest.ceil() as usize, &LearnOptions::default())
+    let options = LearnOptions {
+        residual: true,
+        ..LearnOptions::default()
+    };
+    FourierMovementPrimitive::from_cycles(&fits, longest.ceil() as usize, &options)
 }
 
 /// The period for which (recordings kept) x T is largest.

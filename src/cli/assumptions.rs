@@ -57,6 +57,7 @@ impl Assumptions {
             },
             estimator: self.estimator,
             align: self.align,
+            residual: false,
         }
     }
 }

@@ -25,7 +25,7 @@ const GIVEN: [&str; 3] = ["nothing", "its swing", "its frequency"];
 #[derive(Args)]
 #[command(
     after_help = "Every demonstration is left out once (of more than 40, a tenth at a time). Motions as long as it, at its rate, are drawn from models that are learned from\n\
-    the rest: ours with a cycle of each recording's own tempo, ours with a common period, a stroke ProMP, a rhythmic ProMP with each recording's own\n\
+    the rest: ours with a cycle of each recording's own tempo and its residual, ours with a common period, a stroke ProMP, a rhythmic ProMP with each recording's own\n\
     tempo, and a Gaussian over real and imaginary parts. All are aligned, and their covariances shrunk, as ours are. Energy distances tell how far draws\n\
     lie from what was left out; less is better, and copying does not help. Intervals are of demonstrations that are resampled (bootstrap, expanded\n\
     percentiles). What is compared is exact for a seed; times are not.\n\n\

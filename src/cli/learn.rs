@@ -11,7 +11,7 @@ use super::learn_kinds::{self, KindsFrom};
 use super::recordings::Recordings;
 use super::{Outcome, output};
 use crate::demonstration::Recording;
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
 use crate::primitive::{FourierMovementPrimitive, LearnOptions, Offsets};
 
@@ -52,6 +52,9 @@ pub(super) struct Arguments {
     /// With --period cycle: how many cycles a drawn wave has before it repeats.
     #[arg(long, value_name = "C", default_value_t = 10)]
     pub cycles: usize,
+    /// With --period cycle: draw waves with what cycles leave too, how posture sways and joints differ from cycle to cycle on their own. Nearer to what people do, less smooth.
+    #[arg(long)]
+    pub residual: bool,
     /// Several kinds of wave at once: `auto` finds as many as left-out recordings ask for, a number so many; with `folders` every folder of recordings is a kind.
     #[arg(long, value_name = "auto|N|folders")]
     pub kinds: Option<KindsFrom>,
@@ -76,6 +79,11 @@ pub(super) const HARMONICS: usize = 25;
 
 pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     match arguments.period {
+        Period::Common if arguments.residual => Err(Error::new(
+            ErrorKind::Setting,
+            "--residual of a common period, whose harmonics leave little",
+        )
+        .expected("--period cycle")),
         Period::Common => common(arguments, json),
         Period::Cycle => learn_cycle::run(arguments, json),
     }

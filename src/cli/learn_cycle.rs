@@ -53,7 +53,10 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             100.0 * fit.explained_with_jitter
         ));
     }
-    let options = arguments.assumptions.options();
+    let options = LearnOptions {
+        residual: arguments.residual,
+        ..arguments.assumptions.options()
+    };
     let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
     let form = options.form_of_cycles(&fits, arguments.cycles)?;
     if let Some(kinds) = arguments.kinds {
@@ -90,6 +93,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         "harmonics": primitive.chart().harmonics(),
         "amplitude_correlation": fits.amplitude().coefficient(),
         "tempo_correlation": fits.tempo().coefficient(),
+        "residual": {"share": fits.residual().share(), "drawn": arguments.residual},
         "phases": options.phases.to_string(),
         "phase_reference": primitive.chart().reference(),
         "estimator": estimator.to_string(),
@@ -99,7 +103,8 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     output::report(json, &value, || {
         let mut text = format!(
             "learned {} demonstrations of {} joints, {} harmonics of each one's own cycle; a drawn wave has {} cycles\n\
-             phases {}, estimator {estimator}; from one cycle to the next, amplitudes correlate by {:.2}, tempos by {:.2}\n\n{}\n\n{medians}",
+             phases {}, estimator {estimator}; from one cycle to the next, amplitudes correlate by {:.2}, tempos by {:.2}\n\
+             what cycles leave moves {:.0} % as much as they do, and is {}\n\n{}\n\n{medians}",
             fits.fits().len(),
             fits.joints().len(),
             primitive.chart().harmonics(),
@@ -107,6 +112,12 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
             options.phases,
             fits.amplitude().coefficient(),
             fits.tempo().coefficient(),
+            100.0 * fits.residual().share(),
+            if arguments.residual {
+                "drawn with them"
+            } else {
+                "not drawn (--residual does)"
+            },
             fit_table(fits.fits()),
         );
         if options.offsets != Offsets::Signed {

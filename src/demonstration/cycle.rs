@@ -3,9 +3,10 @@
 use super::jitter::{self, Series};
 use super::mean_cycle::MeanCycle;
 use super::recording::Recording;
+use super::residual;
 use super::{LeftOut, level};
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Autoregression, Joints, MOST_CYCLE_HARMONICS, Wave};
+use crate::fourier::{Autoregression, CycleResidual, Joints, MOST_CYCLE_HARMONICS, Wave};
 
 /// One recording as a mean cycle that is repeated with variations of amplitude and tempo.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +49,7 @@ pub struct CycleFits {
     left_out: Vec<LeftOut>,
     amplitude: Autoregression,
     tempo: Autoregression,
+    residual: CycleResidual,
 }
 
 impl CycleFits {
@@ -107,7 +109,9 @@ impl CycleFits {
                 ..one.fit.clone()
             })
             .collect();
+        let residuals: Vec<_> = seen.iter().map(|one| &one.residual).collect();
         Ok(Self {
+            residual: residual::common(joints.len(), &residuals)?,
             joints,
             fits,
             left_out,
@@ -153,6 +157,11 @@ impl CycleFits {
     /// How ln tempo follows that of the cycle before.
     pub fn tempo(&self) -> Autoregression {
         self.tempo
+    }
+
+    /// What the cycles and their jitter leave, in all recordings alike.
+    pub fn residual(&self) -> &CycleResidual {
+        &self.residual
     }
 }
 

@@ -6,6 +6,7 @@ use super::cycle::CycleFit;
 use super::demodulation::{self, CENTRES, Window};
 use super::jitter::Series;
 use super::recording::Recording;
+use super::residual::{Bands, Left};
 use super::steady;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::Wave;
@@ -24,6 +25,7 @@ pub(super) struct MeanCycle {
     pub fit: CycleFit,
     pub amplitude: Series,
     pub tempo: Series,
+    pub residual: Bands,
 }
 
 impl MeanCycle {
@@ -80,7 +82,14 @@ impl MeanCycle {
             .iter()
             .map(|g| g.max(f64::MIN_POSITIVE).ln())
             .collect();
+        let left = Left {
+            cycles: &times.iter().map(|t| t * frequency).collect::<Vec<f64>>(),
+            positions: &lively.left,
+            fitted: &lively.fitted,
+            size: lively.weights.norm(),
+        };
         Ok(Self {
+            residual: Bands::of(&left, (harmonics + 1) as f64),
             amplitude: Series::amplitude(&windows, &cycles, &logarithms),
             tempo: Series::tempo(&windows, &cycles, &wander),
             fit: CycleFit {

@@ -15,6 +15,7 @@ mod mean_cycle;
 mod pieces;
 mod read;
 mod recording;
+mod residual;
 mod rhythm;
 mod rhythmic_part;
 mod runs;

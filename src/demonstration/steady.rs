@@ -13,6 +13,10 @@ pub(super) struct Steady {
     pub offsets: DVector<f64>,
     /// D x H \[rad\].
     pub weights: DMatrix<Complex<f64>>,
+    /// What the fit leaves, N x D \[rad\].
+    pub left: DMatrix<f64>,
+    /// An orthonormal basis of what was fitted, N x unknowns.
+    pub fitted: DMatrix<f64>,
     /// Share of the energy about each joint's straight line that the harmonics explain, 0 to 1.
     pub explained: f64,
 }
@@ -60,7 +64,7 @@ pub(super) fn fit(
     let mut solution = solution.rows(0, unknowns).into_owned();
     if condition.is_nan()
         || condition > WORST_CONDITION
-        || !qr.unpack_r().solve_upper_triangular_mut(&mut solution)
+        || !qr.r().solve_upper_triangular_mut(&mut solution)
     {
         return Err(Error::new(
             ErrorKind::Infeasible,
@@ -72,7 +76,7 @@ pub(super) fn fit(
         .expected(format!("at most {WORST_CONDITION:.0e}"))
         .help("take fewer harmonics, or leave out a recording with gaps"));
     }
-    let left = (positions - &design * &solution).norm_squared();
+    let left = positions - &design * &solution;
     let line = QR::new(design.columns(0, 2).into_owned());
     let mut rotated = positions.clone();
     line.q_tr_mul(&mut rotated);
@@ -84,10 +88,12 @@ pub(super) fn fit(
         }),
         // A motion that is a straight line has no energy about it, and no rhythm.
         explained: if energy > 0.0 {
-            (1.0 - left / energy).max(0.0)
+            (1.0 - left.norm_squared() / energy).max(0.0)
         } else {
             0.0
         },
+        left,
+        fitted: qr.q(),
     })
 }
 

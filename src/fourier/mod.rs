@@ -15,6 +15,7 @@ mod bounds;
 mod file;
 mod grid;
 mod joints;
+mod residual;
 mod ring;
 mod wave;
 
@@ -24,6 +25,7 @@ pub(crate) use basis::WORST_CONDITION;
 pub use bounds::{Extremes, Interval};
 pub use grid::PeriodGrid;
 pub use joints::Joints;
+pub use residual::CycleResidual;
 pub use ring::CycleRing;
 pub(crate) use ring::{LARGEST_DEVIATION, MOST_CYCLE_HARMONICS};
 pub use wave::{Derivative, State, Wave};

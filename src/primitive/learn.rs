@@ -49,6 +49,9 @@ pub struct LearnOptions {
     /// Start every wave of a common period where the harmonic with most energy over all waves has phase zero, before anything else. (Cycles have their start
     /// as a coordinate.)
     pub align: bool,
+    /// Draw waves of cycles with their [`CycleResidual`](crate::CycleResidual) too: what posture sways and joints differ from cycle to cycle on their own. Plain cycles are smoother,
+    /// and near what a robot is built for; with it they are near what people do.
+    pub residual: bool,
 }
 
 impl LearnOptions {
@@ -59,6 +62,7 @@ impl LearnOptions {
             offsets: Offsets::Signed,
             estimator: Estimator::MaximumLikelihood,
             align: false,
+            residual: false,
         }
     }
 
@@ -114,7 +118,10 @@ impl LearnOptions {
     pub fn form_of_cycles(&self, fits: &CycleFits, count: usize) -> Result<ChartForm> {
         let examples: Vec<Example> = fits.fits().iter().map(Example::from).collect();
         let harmonics = fits.fits().first().map_or(1, |fit| fit.wave.harmonics());
-        let cycles = Cycles::new(count, harmonics, fits.amplitude(), fits.tempo())?;
+        let mut cycles = Cycles::new(count, harmonics, fits.amplitude(), fits.tempo())?;
+        if self.residual {
+            cycles = cycles.with_residual(fits.residual().clone());
+        }
         Ok(ChartForm {
             cycles: Some(Arc::new(cycles)),
             ..self.form(&examples)?

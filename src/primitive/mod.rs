@@ -311,8 +311,8 @@ impl FourierMovementPrimitive {
 
     /// How many standard normal numbers make a wave.
     pub(crate) fn latent(&self) -> usize {
-        let cycles = self.chart.cycles().map_or(0, |cycles| cycles.count());
-        self.gaussian.latent() + 2 * cycles
+        let cycles = self.chart.cycles();
+        self.gaussian.latent() + cycles.map_or(0, |cycles| cycles.latent(self.chart.harmonics()))
     }
 
     /// The wave of so many standard normal numbers.

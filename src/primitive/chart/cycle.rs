@@ -5,8 +5,8 @@ use nalgebra::DVector;
 use crate::elementary::exp;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{
-    Autoregression, CycleRing, Derivative, LARGEST_DEVIATION, MOST_CYCLE_HARMONICS, PeriodGrid,
-    Wave,
+    Autoregression, CycleResidual, CycleRing, Derivative, LARGEST_DEVIATION, MOST_CYCLE_HARMONICS,
+    PeriodGrid, Wave,
 };
 
 /// Points at which a cycle is looked at for its largest and smallest position, for each harmonic: between them the highest harmonic, which is the
@@ -25,13 +25,14 @@ pub struct Cycles {
     ring: CycleRing,
     amplitude: Autoregression,
     tempo: Autoregression,
+    residual: Option<CycleResidual>,
     grid: PeriodGrid,
 }
 
 impl PartialEq for Cycles {
     fn eq(&self, other: &Self) -> bool {
         let numbers = |c: &Self| (c.count(), c.amplitude, c.tempo, c.grid.points());
-        numbers(self) == numbers(other)
+        numbers(self) == numbers(other) && self.residual == other.residual
     }
 }
 
@@ -65,8 +66,18 @@ impl Cycles {
             ring: CycleRing::new(count)?,
             amplitude,
             tempo,
+            residual: None,
             grid: PeriodGrid::new(POINTS * harmonics, harmonics),
         })
+    }
+
+    /// The same with a residual in every drawn wave.
+    #[must_use]
+    pub fn with_residual(self, residual: CycleResidual) -> Self {
+        Self {
+            residual: Some(residual),
+            ..self
+        }
     }
 
     /// C.
@@ -82,6 +93,18 @@ impl Cycles {
     /// How ln tempo follows that of the cycle before.
     pub fn tempo(&self) -> Autoregression {
         self.tempo
+    }
+
+    /// What drawn waves have besides their cycles, if they have it.
+    pub fn residual(&self) -> Option<&CycleResidual> {
+        self.residual.as_ref()
+    }
+
+    /// How many standard normal numbers make cycles of so many harmonics differ.
+    pub(in crate::primitive) fn latent(&self, harmonics: usize) -> usize {
+        let drawn = (harmonics + 1) * self.count() - 1;
+        let residual = self.residual.as_ref().map_or(0, |r| r.latent(drawn));
+        2 * self.count() + residual
     }
 
     /// Half of peak to peak of each joint of a steady cycle \[rad\] (D).
@@ -107,23 +130,28 @@ impl Cycles {
         ]
     }
 
-    /// The wave of C cycles about a steady one, with levels of jitter as they stand in x, from 2 C standard normal numbers.
+    /// The wave of C cycles about a steady one, with levels of jitter as they stand in x, from [`latent`](Self::latent) standard normal numbers.
     pub(in crate::primitive) fn enliven(
         &self,
         steady: &Wave,
         levels: [f64; 2],
         normals: &[f64],
     ) -> Result<Wave> {
-        let (first, second) = normals.split_at(self.count());
+        let (jitter, rest) = normals.split_at(2 * self.count());
+        let (first, second) = jitter.split_at(self.count());
         let series = |process: Autoregression, normals: &[f64], level: f64| -> Vec<f64> {
             let level = exp(level);
             let scaled = |x: f64| (level * x).clamp(-LARGEST_DEVIATION, LARGEST_DEVIATION);
             process.on_ring(normals).into_iter().map(scaled).collect()
         };
-        self.ring.wave(
+        let wave = self.ring.wave(
             steady,
             &series(self.amplitude, first, levels[0]),
             &series(self.tempo, second, levels[1]),
-        )
+        )?;
+        match &self.residual {
+            None => Ok(wave),
+            Some(residual) => residual.onto(&wave, self.count(), steady.weights().norm(), rest),
+        }
     }
 }

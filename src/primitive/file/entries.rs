@@ -45,6 +45,16 @@ pub(super) struct CyclesEntry {
     pub count: usize,
     pub amplitude_correlation: f64,
     pub tempo_correlation: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<ResidualEntry>,
+}
+
+/// What drawn waves have besides their cycles: the number of the lowest third octave, and of each the columns of L.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ResidualEntry {
+    pub lowest_third_octave: i32,
+    pub factors: Vec<Vec<Vec<f64>>>,
 }
 
 /// Version 1: principal phases, signed offsets, a factor, and conditioning already worked in.

@@ -13,9 +13,11 @@ use super::{
 };
 use crate::document;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fourier::{Autoregression, Joints, Wave};
+use crate::fourier::{Autoregression, CycleResidual, Joints, Wave};
 pub(super) use entries::ModelFile;
-use entries::{BlockEntry, CyclesEntry, ModelFile1, ObservationEntry, OffsetEntry, PhasesEntry};
+use entries::{
+    BlockEntry, CyclesEntry, ModelFile1, ObservationEntry, OffsetEntry, PhasesEntry, ResidualEntry,
+};
 
 /// What the format calls itself.
 const MODEL: &str = "undulate model";
@@ -47,6 +49,10 @@ impl FourierMovementPrimitive {
                 count: cycles.count(),
                 amplitude_correlation: cycles.amplitude().coefficient(),
                 tempo_correlation: cycles.tempo().coefficient(),
+                residual: cycles.residual().map(|residual| ResidualEntry {
+                    lowest_third_octave: residual.lowest(),
+                    factors: residual.factors().iter().map(&columns).collect(),
+                }),
             }),
             harmonics: chart.harmonics(),
             phases: match (chart.phase_form(), chart.reference()) {
@@ -217,7 +223,12 @@ fn chart(
         .map(|entry| {
             let amplitude = Autoregression::new(entry.amplitude_correlation)?;
             let tempo = Autoregression::new(entry.tempo_correlation)?;
-            Cycles::new(entry.count, harmonics, amplitude, tempo).map(Arc::new)
+            let cycles = Cycles::new(entry.count, harmonics, amplitude, tempo)?;
+            let residual = entry.residual.map(|r| residual(&r, joints.len()));
+            Ok(Arc::new(match residual.transpose()? {
+                Some(residual) => cycles.with_residual(residual),
+                None => cycles,
+            }))
         })
         .transpose()
         .map_err(|e: Error| Error::new(ErrorKind::Value, e.to_string()))?;
@@ -242,6 +253,17 @@ fn chart(
         )));
     }
     Ok(chart)
+}
+
+fn residual(entry: &ResidualEntry, joints: usize) -> Result<CycleResidual> {
+    let factors = entry.factors.iter().map(|columns| {
+        if columns.len() != joints || columns.iter().any(|c| c.len() != joints) {
+            return Err(shape("a factor of the residual of another size".into())
+                .expected(format!("{joints} columns of {joints}")));
+        }
+        Ok(DMatrix::from_fn(joints, joints, |i, j| columns[j][i]))
+    });
+    CycleResidual::new(entry.lowest_third_octave, factors.collect::<Result<_>>()?)
 }
 
 fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
