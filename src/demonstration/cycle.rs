@@ -1,5 +1,6 @@
 //! [`CycleFit`] and [`CycleFits`]: recordings described by a mean cycle and its variation.
 
+use super::half_cycles::median;
 use super::jitter::{self, Series};
 use super::mean_cycle::MeanCycle;
 use super::recording::Recording;
@@ -7,6 +8,9 @@ use super::residual;
 use super::{LeftOut, level};
 use crate::error::{Error, ErrorKind, Result};
 use crate::fourier::{Autoregression, CycleResidual, Joints, MOST_CYCLE_HARMONICS, Wave};
+
+/// A recording so many times as fast as the set's median may have been taken at twice its tempo.
+const TWICE: std::ops::Range<f64> = 1.5..3.0;
 
 /// One recording as a mean cycle that is repeated with variations of amplitude and tempo.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,9 +73,13 @@ impl CycleFits {
         let joints = super::common_joints(recordings)?;
         let mut seen = Vec::new();
         let mut left_out = Vec::new();
+        let mut used = Vec::new();
         for recording in recordings {
             match MeanCycle::of(recording, harmonics) {
-                Ok(one) => seen.push(one),
+                Ok(one) => {
+                    seen.push(one);
+                    used.push(recording);
+                }
                 Err(error) => left_out.push(LeftOut {
                     name: recording.name.clone(),
                     reason: error.to_string(),
@@ -89,6 +97,14 @@ impl CycleFits {
                 format!("no recording can be fitted{}", reasons.concat()),
             )
             .expected("at least three cycles of a rhythm"));
+        }
+        let usual = median(seen.iter().map(|one| one.fit.frequency()).collect());
+        for (one, recording) in seen.iter_mut().zip(used) {
+            if TWICE.contains(&(one.fit.frequency() / usual))
+                && let Some(half) = one.of_half_tempo(recording)
+            {
+                *one = half;
+            }
         }
         let amplitudes: Vec<&Series> = seen.iter().map(|one| &one.amplitude).collect();
         let tempos: Vec<&Series> = seen.iter().map(|one| &one.tempo).collect();
@@ -343,6 +359,31 @@ mod tests {
         assert!(error.to_string().contains("short: 2.3 cycles"), "{error}");
         assert!(CycleFits::new(&[], 3).is_err());
         assert!(CycleFits::new(&[good], 0).is_err());
+    }
+
+    /// The second joint goes to and fro twice a cycle, in one recording farther than the first.
+    #[test]
+    fn a_joint_that_moves_twice_a_cycle_does_not_double_the_tempo() {
+        let recordings: Vec<Recording> = [0.02, 0.03, 0.3, 0.01]
+            .iter()
+            .enumerate()
+            .map(|(m, twice)| {
+                let phase = move |t: f64| std::f64::consts::TAU * (0.95 + 0.01 * m as f64) * t;
+                recorded(&m.to_string(), uniform(6.0), |t, d| {
+                    [0.2 * phase(t).cos(), twice * (2.0 * phase(t)).cos()][d]
+                })
+            })
+            .collect();
+        assert!((recordings[2].tempo() - 1.94).abs() < 0.02);
+        let fits = CycleFits::new(&recordings, 2).unwrap();
+        let fit = &fits.fits()[2];
+        assert!((fit.frequency() - 0.97).abs() < 0.01, "{fit:?}");
+        assert!(fit.explained > 0.999, "{fit:?}");
+        // One that is as fast, and nothing slower in it, stays as it is.
+        let mut fast = recordings.clone();
+        fast[2] = recorded("fast", uniform(6.0), |t, _| 0.2 * (12.2 * t).cos());
+        let frequency = CycleFits::new(&fast, 2).unwrap().fits()[2].frequency();
+        assert!((frequency - 1.94).abs() < 0.01, "{frequency}");
     }
 
     #[test]

@@ -30,9 +30,21 @@ pub(super) struct MeanCycle {
 
 impl MeanCycle {
     pub(super) fn of(recording: &Recording, harmonics: usize) -> Result<Self> {
+        Self::near(recording, recording.tempo(), harmonics)
+    }
+
+    /// The same about half of its tempo, if that leaves half as much or less of the motion unexplained: where a joint moves twice a cycle and farther than the others do, its
+    /// movement has been taken for the cycle.
+    pub(super) fn of_half_tempo(&self, recording: &Recording) -> Option<Self> {
+        let harmonics = self.fit.wave.harmonics();
+        let half = Self::near(recording, 0.5 * self.fit.frequency(), harmonics).ok()?;
+        let left = |one: &Self| 1.0 - one.fit.explained;
+        (left(&half) <= 0.5 * left(self)).then_some(half)
+    }
+
+    fn near(recording: &Recording, tempo: f64, harmonics: usize) -> Result<Self> {
         let (times, positions) = (&recording.times, &recording.positions);
         let span = recording.span();
-        let tempo = recording.tempo();
         let told = |error: Error| match error.kind() {
             ErrorKind::Infeasible => drowned(recording).unwrap_or(error),
             _ => error,

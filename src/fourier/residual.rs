@@ -66,7 +66,7 @@ impl CycleResidual {
                 )
                 .expected("a lower triangular one"));
             }
-            if let Some(x) = factor.iter().find(|x| !(x.abs() <= LARGEST)) {
+            if let Some(x) = factor.iter().find(|x| x.is_nan() || x.abs() > LARGEST) {
                 return Err(Error::new(
                     ErrorKind::Value,
                     format!("a residual of {x} times a wave"),
