@@ -344,7 +344,7 @@ fn real_sets_are_compared() {
     let Some(shared) = common::shared("real sets of waves") else {
         return;
     };
-    for set in ["A", "B", "D", "E"] {
+    for set in ["A", "B", "C", "D", "E", "F", "G"] {
         let mut lists = std::fs::read_dir(shared.join("waves/sets"))
             .unwrap()
             .map(|e| e.unwrap().path());
@@ -373,10 +373,16 @@ fn real_sets_are_compared() {
                 p.ours.name()
             );
         }
-        let course = comparison
+        // Nothing is lost, and what a cycle and its residual are for is won; F has seven recordings of several gestures, G farewells of several styles.
+        let is_small = ["F", "G"].contains(&set);
+        for p in comparison
             .paired
             .iter()
-            .find(|p| (p.distance, p.ours) == (Distance::Course, ModelKind::Cycle));
-        assert!(course.unwrap().difference.lower > 0.0, "set {set}");
+            .filter(|p| p.ours == ModelKind::Cycle)
+        {
+            let must_win = matches!(p.distance, Distance::Course | Distance::Level) && !is_small;
+            assert!(p.difference.upper > 0.0, "set {set}: {p:?}");
+            assert!(!must_win || p.difference.lower > 0.0, "set {set}: {p:?}");
+        }
     }
 }
