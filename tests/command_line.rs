@@ -5,7 +5,7 @@ mod common;
 mod program;
 
 use common::shared;
-use program::{done, files, json, run, text};
+use program::{done, fails, files, json, run, text};
 use serde_json::Value;
 
 #[test]
@@ -266,4 +266,45 @@ fn every_verb_has_help_with_an_example() {
             "{help}"
         );
     }
+}
+
+#[test]
+fn a_recording_that_cannot_be_read_does_not_hide_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let rows = |column: &str, value: fn(f64) -> String| {
+        let row = |n: u32| {
+            let t = f64::from(n) / 50.0;
+            format!("{t},{}\n", value(t))
+        };
+        format!("time_s,{column}\n{}", (0..250).map(row).collect::<String>())
+    };
+    let wave = |t: f64| (0.3 * (9.0 * t).sin()).to_string();
+    std::fs::create_dir(at.join("takes")).unwrap();
+    let write = |name: &str, text: String| std::fs::write(at.join("takes").join(name), text);
+    write("a.csv", rows("elbow", wave)).unwrap();
+    write("b.csv", rows("wrist", wave)).unwrap();
+    write("c.csv", rows("elbow", |_| "nan".into())).unwrap();
+    write("d.csv", rows("elbow", wave)).unwrap();
+    let report = json(at, &["inspect-demos", "takes"]);
+    assert_eq!(report["recordings"].as_array().unwrap().len(), 2);
+    let unreadable = report["unreadable"].as_array().unwrap();
+    let told: Vec<&str> = unreadable.iter().map(|e| e.as_str().unwrap()).collect();
+    assert!(
+        told[0].contains("b.csv") && told[0].contains("elbow"),
+        "{told:?}"
+    );
+    assert!(
+        told[1].contains("c.csv") && told[1].contains("line 2"),
+        "{told:?}"
+    );
+    let text = done(at, &["inspect-demos", "takes"]);
+    assert!(
+        text.contains("4 recordings, 2 with something to look at"),
+        "{text}"
+    );
+    std::fs::remove_file(at.join("takes/a.csv")).unwrap();
+    std::fs::remove_file(at.join("takes/b.csv")).unwrap();
+    std::fs::remove_file(at.join("takes/d.csv")).unwrap();
+    fails(at, 1, &["inspect-demos", "takes"]);
 }

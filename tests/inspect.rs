@@ -198,6 +198,19 @@ fn motion_without_a_period_is_seldom_taken_for_a_rhythm() {
     assert!(found / 1200.0 < 0.1);
 }
 
+/// From after the seventh cycle of eight, to where the arm hangs again, and while it hangs.
+#[test]
+fn a_gap_that_ends_a_part_is_told_and_one_far_from_it_is_not() {
+    let take = Take::new(12.0, ONE).recorded();
+    let end = 2.0 + 7.0 / FREQUENCY;
+    let told = thinned(&take, |t| !(end..end + 1.6).contains(&t));
+    assert!(codes(&told).contains(&"gap"), "{:?}", codes(&told));
+    let parts = told.rhythmic_parts();
+    assert!(parts.len() == 1 && parts[0].end <= end, "{parts:?}");
+    let far = thinned(&take, |t| !(9.0..10.6).contains(&t));
+    assert_eq!(codes(&far), Vec::<&str>::new());
+}
+
 #[test]
 fn gaps_and_frozen_frames_are_named_and_bridged() {
     let whole = Take::new(10.0, ONE).recorded();

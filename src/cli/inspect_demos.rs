@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         .expected("it for `learn`"));
     }
     let form = arguments.output.as_deref().map(Form::of).transpose()?;
-    let recordings = arguments.recordings.recorded()?;
+    let (recordings, unreadable) = arguments.recordings.readable()?;
     let inspections = Inspection::of_set(&recordings)?;
     if let (Some(path), Some(form)) = (&arguments.output, form) {
         let bytes = match form {
@@ -58,6 +58,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     let spoilt = inspections.iter().filter(|i| i.is_spoilt()).count();
     let value = json!({
         "recordings": inspections.iter().zip(&recordings).map(|(i, r)| told(i, r)).collect::<Vec<_>>(),
+        "unreadable": unreadable.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "spoilt": spoilt,
         "figure": arguments.output,
     });
@@ -67,9 +68,13 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         if !findings.is_empty() {
             text.push_str(&format!("\n\n{findings}"));
         }
+        for error in &unreadable {
+            text.push_str(&format!("\n\ncannot be learned: {error}"));
+        }
         text.push_str(&format!(
-            "\n\n{} recordings, {spoilt} with something to look at",
-            inspections.len()
+            "\n\n{} recordings, {} with something to look at",
+            inspections.len() + unreadable.len(),
+            spoilt + unreadable.len()
         ));
         if let Some(path) = &arguments.output {
             text.push_str(&format!("\nwrote {}", path.display()));

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::output;
 use crate::demonstration::{
-    CsvOptions, Demonstrations, Duration, Flag, Inspection, Recording, synthetic,
+    CsvOptions, Demonstrations, Duration, Flag, Inspection, Recording, same_joints, synthetic,
 };
 use crate::error::{Error, ErrorKind, Result};
 
@@ -164,15 +164,28 @@ impl Recordings {
 
     /// As they were recorded, but for jumps of whole turns where those are to go.
     pub fn recorded(&self) -> Result<Vec<Recording>> {
-        if self.is_synthetic()? {
-            return Ok(synthetic(self.seed)?.recordings().to_vec());
+        self.read()?.into_iter().collect()
+    }
+
+    /// Those that can be read and have the joints of the first that can, and what is wrong with the others.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn readable(&self) -> Result<(Vec<Recording>, Vec<Error>)> {
+        let (mut recordings, mut errors): (Vec<Recording>, Vec<Error>) = (Vec::new(), Vec::new());
+        for one in self.read()? {
+            match one.and_then(|one| {
+                same_joints(recordings.first().unwrap_or(&one), &one)?;
+                Ok(one)
+            }) {
+                Ok(one) => recordings.push(one),
+                Err(error) => errors.push(error),
+            }
         }
-        let recordings = self.read()?;
-        Ok(if self.unwrap {
-            recordings.iter().map(Recording::unwrapped).collect()
-        } else {
-            recordings
-        })
+        if recordings.is_empty() && !errors.is_empty() {
+            return Err(errors.swap_remove(0));
+        }
+        Ok((recordings, errors))
     }
 
     fn is_synthetic(&self) -> Result<bool> {
@@ -195,7 +208,17 @@ impl Recordings {
         Ok(false)
     }
 
-    fn read(&self) -> Result<Vec<Recording>> {
+    /// File by file.
+    fn read(&self) -> Result<Vec<Result<Recording>>> {
+        if self.is_synthetic()? {
+            let demonstrations = synthetic(self.seed)?;
+            return Ok(demonstrations
+                .recordings()
+                .iter()
+                .cloned()
+                .map(Ok)
+                .collect());
+        }
         let mut files = Vec::new();
         for input in &self.inputs {
             if input.is_dir() {
@@ -214,7 +237,8 @@ impl Recordings {
         let bar = output::progress(files.len() as u64, "reading recordings");
         let mut recordings = Vec::new();
         for file in &files {
-            recordings.push(Recording::open(file, &options)?);
+            let recording = Recording::open(file, &options);
+            recordings.push(recording.map(|r| if self.unwrap { r.unwrapped() } else { r }));
             bar.inc(1);
         }
         bar.finish_and_clear();

@@ -93,14 +93,18 @@ impl Inspection {
             1 => {}
             count => add(Flag::SeveralParts, None, None, count as f64),
         }
+        // What is missing beside a part may have cut it short.
+        let cycle = parts.iter().map(|p| 1.0 / p.frequency).fold(0.0, f64::max);
         for stretch in &missing {
             let flag = if stretch.frozen {
                 Flag::FrozenFrames
             } else {
                 Flag::Gap
             };
-            let within = |(start, end): &(f64, f64)| stretch.start < *end && *start < stretch.end;
-            if used.iter().any(within) {
+            let concerns = |(start, end): &(f64, f64)| {
+                stretch.start < end + cycle && start - cycle < stretch.end
+            };
+            if used.iter().any(concerns) {
                 add(flag, Some(stretch.start), None, stretch.end - stretch.start);
             }
         }

@@ -149,17 +149,20 @@ pub(crate) fn common_joints(recordings: &[Recording]) -> Result<Joints> {
             .help("name CSV files, a folder of them, or a list file"));
     };
     for recording in recordings {
-        if recording.joints != first.joints {
-            return Err(Error::new(
-                ErrorKind::Name,
-                format!("joints {}", recording.joints.listed()),
-            )
-            .expected(format!("{} as in {}", first.joints.listed(), first.name))
-            .help("pick the columns that all have with --joints a,b,..")
-            .at(recording.name.clone()));
-        }
+        same_joints(first, recording)?;
     }
     Ok(first.joints.clone())
+}
+
+pub(crate) fn same_joints(first: &Recording, recording: &Recording) -> Result<()> {
+    if recording.joints == first.joints {
+        return Ok(());
+    }
+    let found = format!("joints {}", recording.joints.listed());
+    Err(Error::new(ErrorKind::Name, found)
+        .expected(format!("{} as in {}", first.joints.listed(), first.name))
+        .help("pick the columns that all have with --joints a,b,..")
+        .at(recording.name.clone()))
 }
 
 #[cfg(test)]
