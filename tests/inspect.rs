@@ -171,6 +171,33 @@ fn no_rhythm_and_one_cycle_are_called_so() {
     assert!(codes(&window).contains(&"few-cycles"));
 }
 
+/// White noise, and the same through two low passes of 1 to 4 Hz; seed 12, 75 recordings of each. 36 are; without the bound on irregularity nearly all were.
+#[test]
+fn noise_is_seldom_taken_for_a_rhythm() {
+    let mut rng = stream(12, 0);
+    let times: Vec<f64> = (0..600).map(|n| f64::from(n) / RATE).collect();
+    let mut found = 0;
+    for keeps in [0.0, 1.0, 2.0, 4.0].map(|cut: f64| (-TAU * cut / RATE).exp() % 1.0) {
+        for _ in 0..75 {
+            let mut passed = [[0.0; 2]; 3];
+            let mut rows = Vec::new();
+            for _ in &times {
+                for [first, second] in &mut passed {
+                    let white: f64 = StandardNormal.sample(&mut rng);
+                    *first = keeps * *first + (1.0 - keeps) * white;
+                    *second = keeps * *second + (1.0 - keeps) * *first;
+                    rows.push(*second);
+                }
+            }
+            let positions = DMatrix::from_row_slice(times.len(), 3, &rows);
+            let noise = Recording::new("noise", joints(), times.clone(), positions).unwrap();
+            found += usize::from(!noise.rhythmic_parts().is_empty());
+        }
+    }
+    println!("taken for a rhythm: {found} of 300");
+    assert!(found <= 45, "{found}");
+}
+
 /// Smooth motion without a period: random targets a second apart on average, gone to smoothly. Seed 9, 100 motions of 12 s.
 #[test]
 fn motion_without_a_period_is_seldom_taken_for_a_rhythm() {
@@ -533,7 +560,7 @@ fn windows_are_whole_and_stay_as_they_are() {
     let Some(shared) = common::shared("windows of real recordings") else {
         return;
     };
-    let (mut all, mut whole, mut none, mut cut) = (0, 0, 0, Vec::new());
+    let (mut all, mut whole, mut none, mut cut) = (0, 0, Vec::new(), Vec::new());
     for row in index(&shared) {
         let folder = Path::new(&row.file).parent().unwrap();
         let name = Path::new(&row.file).file_name().unwrap();
@@ -547,14 +574,17 @@ fn windows_are_whole_and_stay_as_they_are() {
             let longest = parts.iter().map(RhythmicPart::duration).fold(0.0, f64::max);
             all += 1;
             whole += usize::from(longest >= 0.8 * recording.span());
-            none += usize::from(parts.is_empty());
+            if parts.is_empty() {
+                none.push(file.clone());
+            }
             if recording.gestures() != std::slice::from_ref(&recording) {
                 cut.push(file);
             }
         }
     }
-    println!("{whole} of {all} windows are whole, {none} without a rhythm; cut: {cut:?}");
-    assert!(whole == all && cut.is_empty());
+    println!("{whole} of {all} windows are whole; without a rhythm: {none:?}; cut: {cut:?}");
+    // Two are one exercise in both orders, as irregular as noise is.
+    assert!(none.len() <= 2 && whole + none.len() == all && cut.is_empty());
 }
 
 #[test]

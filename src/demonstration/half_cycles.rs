@@ -146,6 +146,20 @@ pub(super) fn regular(
     (!best.is_empty()).then_some(best.start..best.end + 2)
 }
 
+/// Twice the coefficient of variation of the cycles' lengths, that of their heights, and the median of their drifts: about the direction in which noise is told from what
+/// people do with least error (Fisher 1936).
+pub(super) fn irregularity(cycles: &[Cycle]) -> f64 {
+    let variation = |of: fn(&Cycle) -> f64| {
+        let count = cycles.len() as f64;
+        let mean = cycles.iter().map(of).sum::<f64>() / count;
+        let square = cycles.iter().map(|c| (of(c) - mean).powi(2)).sum::<f64>() / count;
+        square.sqrt() / mean
+    };
+    2.0 * variation(|c| c.length)
+        + variation(|c| c.height)
+        + median(cycles.iter().map(|c| c.drift).collect())
+}
+
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1

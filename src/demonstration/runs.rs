@@ -16,6 +16,8 @@ const HYSTERESIS: f64 = 0.3;
 const FEWEST: usize = 5;
 /// From peak to peak \[rad\], 2 degrees: what moves less does not wave.
 const SMALLEST: f64 = 0.035;
+/// What comes from noise is less regular than this, and what people do is more so.
+const MOST_IRREGULAR: f64 = 0.95;
 /// Two runs are one rhythm if their frequencies agree within this factor.
 const ALIKE: f64 = 1.3;
 
@@ -27,6 +29,7 @@ pub(super) struct Run {
     pub half_cycles: f64,
     /// Sum of the half cycles' heights \[rad\].
     pub path: f64,
+    irregularity: f64,
 }
 
 impl Run {
@@ -48,6 +51,7 @@ impl Run {
             last,
             half_cycles: self.half_cycles + more.round(),
             path: self.path + more * other.path / other.half_cycles,
+            irregularity: self.irregularity,
         }
     }
 }
@@ -80,6 +84,8 @@ pub(super) fn runs(piece: &Piece) -> Vec<Run> {
             kept.extend(overlapping);
         }
     }
+    // Only now: among many spans of noise some look regular, but not those that move most.
+    kept.retain(|run| run.irregularity <= MOST_IRREGULAR);
     kept.sort_by_key(|run| run.first);
     kept
 }
@@ -103,8 +109,8 @@ fn run(piece: &Piece, first: usize, width: usize) -> Option<Run> {
     let inside = first - from..first + width - from;
     let run = half_cycles::regular(&turns, &cycles, &inside)?;
     let count = run.len() - 1;
-    let heights = cycles[run.start..run.end - 2].iter().map(|c| c.height);
-    let height = heights.sum::<f64>() / (count - 1) as f64;
+    let within = &cycles[run.start..run.end - 2];
+    let height = within.iter().map(|c| c.height).sum::<f64>() / within.len() as f64;
     let (first, last) = (from + turns[run.start].0, from + turns[run.end - 1].0);
     let frequency = count as f64 / (2.0 * piece.step * (last - first) as f64);
     let is_rhythm =
@@ -114,6 +120,7 @@ fn run(piece: &Piece, first: usize, width: usize) -> Option<Run> {
         last,
         half_cycles: count as f64,
         path: height * count as f64,
+        irregularity: half_cycles::irregularity(within),
     })
 }
 
