@@ -344,6 +344,7 @@ fn real_sets_are_compared() {
     let Some(shared) = common::shared("real sets of waves") else {
         return;
     };
+    let mut won = [0; 4];
     for set in ["A", "B", "C", "D", "E", "F", "G"] {
         let mut lists = std::fs::read_dir(shared.join("waves/sets"))
             .unwrap()
@@ -373,16 +374,19 @@ fn real_sets_are_compared() {
                 p.ours.name()
             );
         }
-        // Nothing is lost, and what a cycle and its residual are for is won; F has seven recordings of several gestures, G farewells of several styles.
-        let is_small = ["F", "G"].contains(&set);
         for p in comparison
             .paired
             .iter()
             .filter(|p| p.ours == ModelKind::Cycle)
         {
-            let must_win = matches!(p.distance, Distance::Course | Distance::Level) && !is_small;
-            assert!(p.difference.upper > 0.0, "set {set}: {p:?}");
-            assert!(!must_win || p.difference.lower > 0.0, "set {set}: {p:?}");
+            assert!(p.difference.upper > 0.0, "set {set} is lost: {p:?}");
+            won[p.distance as usize] += usize::from(p.difference.lower > 0.0);
         }
     }
+    println!(
+        "won, of seven sets: {:?} {won:?}",
+        Distance::ALL.map(Distance::name)
+    );
+    let [_, power, level, course] = won;
+    assert!(power >= 3 && level >= 6 && course >= 6, "{won:?}");
 }

@@ -160,7 +160,7 @@ fn what_cannot_be_had_is_named_and_nothing_is_written() {
         (
             2,
             "trajectory model.json -o x.csv --figure x.pdf",
-            "--figure x.pdf, expected a name that ends in .svg or .png",
+            "a figure x.pdf, expected a name that ends in .svg or .png",
         ),
     ] {
         let arguments: Vec<&str> = arguments.split_whitespace().collect();

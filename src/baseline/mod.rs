@@ -88,6 +88,8 @@ pub struct Resolution {
     pub harmonics: usize,
     /// H of a cycle; a rhythmic ProMP has 2 H + 1 bases.
     pub cycle_harmonics: usize,
+    /// Whether cycles are drawn with what they leave.
+    pub residual: bool,
 }
 
 impl Default for Resolution {
@@ -95,6 +97,7 @@ impl Default for Resolution {
         Self {
             harmonics: 25,
             cycle_harmonics: 4,
+            residual: true,
         }
     }
 }
@@ -148,9 +151,10 @@ impl ModelKind {
         let Resolution {
             harmonics,
             cycle_harmonics,
+            residual,
         } = resolution;
         Ok(match self {
-            Self::Cycle => Box::new(ours::cycle(recordings, cycle_harmonics)?),
+            Self::Cycle => Box::new(ours::cycle(recordings, cycle_harmonics, residual)?),
             Self::CommonPeriod => Box::new(ours::common_period(recordings, harmonics)?),
             Self::StrokeProMp => Box::new(StrokeProMp::learn(recordings, 2 * harmonics + 1)?),
             Self::RhythmicProMp => {

@@ -14,11 +14,12 @@ use crate::primitive::{Coordinate, FourierMovementPrimitive, LearnOptions, Obser
 pub(super) fn cycle(
     recordings: &[Recording],
     harmonics: usize,
+    residual: bool,
 ) -> Result<FourierMovementPrimitive> {
     let fits = CycleFits::new(recordings, harmonics)?;
     let longest = fits.fits().iter().map(|fit| fit.cycles).fold(1.0, f64::max);
     let options = LearnOptions {
-        residual: true,
+        residual,
         ..LearnOptions::default()
     };
     FourierMovementPrimitive::from_cycles(&fits, longest.ceil() as usize, &options)

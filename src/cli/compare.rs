@@ -42,6 +42,9 @@ pub(super) struct Arguments {
     /// The highest harmonic of a cycle; the rhythmic ProMP has as many bases as that has weights.
     #[arg(long, value_name = "H", default_value_t = 4)]
     cycle_harmonics: usize,
+    /// Draw cycles without what they leave.
+    #[arg(long)]
+    no_residual: bool,
     /// How many motions are drawn of each model for each left-out demonstration.
     #[arg(short = 'n', long, value_name = "N", default_value_t = 50)]
     draws: u64,
@@ -78,6 +81,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
         resolution: Resolution {
             harmonics: arguments.harmonics,
             cycle_harmonics: arguments.cycle_harmonics,
+            residual: !arguments.no_residual,
         },
         threads,
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::learn::warn_of_units;
 use super::recordings::Recordings;
 use super::trajectory::Form;
 use super::{Outcome, output};
@@ -15,6 +16,9 @@ use crate::figure;
 /// Look at recordings before they are learned: which part is rhythmic, how it goes, and what may spoil the set.
 #[derive(Args)]
 #[command(
+    mut_arg("duration", |option| option.hide(true)),
+    mut_arg("remove_drift", |option| option.hide(true)),
+    mut_arg("uncut", |option| option.hide(true)),
     after_help = "Of each recording are shown: the part that would be learned, its cycles, frequency and jitter from cycle to cycle, the energy beyond four\n\
     harmonics of a cycle, the step from its end to its start, and findings by code: gaps, frozen frames, jumps, joints that stand still, a shoulder near\n\
     its singularity, no rhythm, and what is far from the median of the set. `--codes` lists them. The figure has all recordings on one page.\n\n\
@@ -47,6 +51,7 @@ pub(super) fn run(arguments: &Arguments, json: bool) -> Result<Outcome> {
     }
     let form = arguments.output.as_deref().map(Form::of).transpose()?;
     let (recordings, unreadable) = arguments.recordings.readable()?;
+    warn_of_units(&recordings);
     let inspections = Inspection::of_set(&recordings)?;
     if let (Some(path), Some(form)) = (&arguments.output, form) {
         let bytes = match form {

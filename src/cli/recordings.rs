@@ -42,9 +42,6 @@ pub(super) struct Recordings {
         default_missing_value = "line"
     )]
     remove_drift: Option<Drift>,
-    /// Take whole turns out of jumps of more than half a turn.
-    #[arg(long)]
-    unwrap: bool,
     /// Take recordings whole, with whatever comes before and after the rhythm.
     #[arg(long)]
     uncut: bool,
@@ -90,6 +87,18 @@ fn warn_of_findings(recordings: &[Recording]) -> Result<()> {
     Ok(())
 }
 
+/// Whole turns are in how angles were written, and in no motion.
+fn without_jumps(recording: Recording) -> Recording {
+    let unwrapped = recording.unwrapped();
+    if unwrapped != recording {
+        output::note(format!(
+            "{}: jumps of whole turns are taken out",
+            recording.name()
+        ));
+    }
+    unwrapped
+}
+
 impl Recordings {
     /// Gestures, cut to a common period.
     pub fn demonstrations(&self) -> Result<Demonstrations> {
@@ -128,6 +137,7 @@ impl Recordings {
         }
         let mut gestures = Vec::new();
         for recording in recordings {
+            let recording = without_jumps(recording);
             if self.uncut || synthetic {
                 gestures.push(recording);
                 continue;
@@ -162,7 +172,7 @@ impl Recordings {
             .collect())
     }
 
-    /// As they were recorded, but for jumps of whole turns where those are to go.
+    /// As they were recorded.
     pub fn recorded(&self) -> Result<Vec<Recording>> {
         self.read()?.into_iter().collect()
     }
@@ -193,7 +203,6 @@ impl Recordings {
             let about_files = self.joints.is_some()
                 || self.degrees
                 || self.remove_drift.is_some()
-                || self.unwrap
                 || self.uncut
                 || self.duration.is_some();
             if about_files {
@@ -238,7 +247,7 @@ impl Recordings {
         let mut recordings = Vec::new();
         for file in &files {
             let recording = Recording::open(file, &options);
-            recordings.push(recording.map(|r| if self.unwrap { r.unwrapped() } else { r }));
+            recordings.push(recording);
             bar.inc(1);
         }
         bar.finish_and_clear();

@@ -254,7 +254,7 @@ impl Form {
             Some("svg") => Ok(Self::Svg),
             Some("png") => Ok(Self::Png),
             _ => Err(
-                Error::new(ErrorKind::Setting, format!("--figure {}", path.display()))
+                Error::new(ErrorKind::Setting, format!("a figure {}", path.display()))
                     .expected("a name that ends in .svg or .png"),
             ),
         }

@@ -12,6 +12,9 @@ use crate::fourier::{Autoregression, CycleResidual, Joints, MOST_CYCLE_HARMONICS
 /// A recording so many times as fast as the set's median may have been taken at twice its tempo.
 const TWICE: std::ops::Range<f64> = 1.5..3.0;
 
+/// A joint that moves less than this share of what it does in others stands still.
+const STILL: f64 = 1e-6;
+
 /// One recording as a mean cycle that is repeated with variations of amplitude and tempo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleFit {
@@ -23,7 +26,7 @@ pub struct CycleFit {
     pub wave: Wave,
     /// Share of the energy about each joint's straight line that one steady rhythm of this frequency explains.
     pub explained: f64,
-    /// The same when amplitude and tempo vary as they were found to.
+    /// The same when amplitude and tempo vary as they were found to, if that is more.
     pub explained_with_jitter: f64,
     /// Cycles that the recording lasts.
     pub cycles: f64,
@@ -61,7 +64,8 @@ impl CycleFits {
     ///
     /// # Errors
     /// When there are no recordings, their joints differ, the harmonics are none or beyond 50, or no recording can be
-    /// used. One that cannot (less than three cycles, no rhythm, too few samples) is left out, by name.
+    /// used. One that cannot (less than three cycles, no rhythm, too few samples, a joint that stands still there alone) is left out, by name. One
+    /// that is far faster than the median of the others, where half of its tempo explains far more, is taken at half: a joint that moves twice a cycle was the largest.
     pub fn new(recordings: &[Recording], harmonics: usize) -> Result<Self> {
         if !(1..=MOST_CYCLE_HARMONICS).contains(&harmonics) {
             return Err(Error::new(
@@ -106,6 +110,7 @@ impl CycleFits {
                 *one = half;
             }
         }
+        leave_out_still(&joints, &mut seen, &mut left_out);
         let amplitudes: Vec<&Series> = seen.iter().map(|one| &one.amplitude).collect();
         let tempos: Vec<&Series> = seen.iter().map(|one| &one.tempo).collect();
         let amplitude = jitter::common(&amplitudes)?;
@@ -125,9 +130,11 @@ impl CycleFits {
                 ..one.fit.clone()
             })
             .collect();
+        let sizes = seen.iter().map(|one| one.fit.wave.weights().norm());
+        let largest = sizes.fold(0.0, f64::max);
         let residuals: Vec<_> = seen.iter().map(|one| &one.residual).collect();
         Ok(Self {
-            residual: residual::common(joints.len(), &residuals)?,
+            residual: residual::common(joints.len(), largest, &residuals)?,
             joints,
             fits,
             left_out,
@@ -179,6 +186,26 @@ impl CycleFits {
     pub fn residual(&self) -> &CycleResidual {
         &self.residual
     }
+}
+
+/// A joint that stands still in some recordings and moves in others: of no movement there is no logarithm.
+fn leave_out_still(joints: &Joints, seen: &mut Vec<MeanCycle>, left_out: &mut Vec<LeftOut>) {
+    let size = |one: &MeanCycle, d: usize| one.fit.wave.weights().row(d).norm();
+    let largest = |d: usize| seen.iter().map(|one| size(one, d)).fold(0.0, f64::max);
+    let least: Vec<f64> = (0..joints.len()).map(|d| STILL * largest(d)).collect();
+    seen.retain(|one| {
+        let still = (0..joints.len()).find(|d| size(one, *d) < least[*d]);
+        if let Some(d) = still {
+            left_out.push(LeftOut {
+                name: one.fit.name.clone(),
+                reason: format!(
+                    "`{}` stands still: leave out this recording, or the joint with --joints",
+                    joints.name(d)
+                ),
+            });
+        }
+        still.is_none()
+    });
 }
 
 #[cfg(test)]
@@ -359,6 +386,21 @@ mod tests {
         assert!(error.to_string().contains("short: 2.3 cycles"), "{error}");
         assert!(CycleFits::new(&[], 3).is_err());
         assert!(CycleFits::new(&[good], 0).is_err());
+    }
+
+    #[test]
+    fn a_recording_in_which_one_joint_stands_still_is_left_out_by_name() {
+        let cycle = cycle();
+        let good = |name| recorded(name, uniform(4.0), |t, d| cycle.position(t)[d]);
+        let half = recorded("half", uniform(4.0), |t, d| {
+            if d == 0 { cycle.position(t)[0] } else { 0.7 }
+        });
+        let fits = CycleFits::new(&[good("one"), half, good("two")], 2).unwrap();
+        assert_eq!(fits.fits().len(), 2);
+        let [left_out] = fits.left_out() else {
+            panic!("{:?}", fits.left_out());
+        };
+        assert!(left_out.name == "half" && left_out.reason.contains("`b` stands still"));
     }
 
     /// The second joint goes to and fro twice a cycle, in one recording farther than the first.

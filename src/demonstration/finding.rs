@@ -77,7 +77,7 @@ impl Flag {
             ),
             Self::TurnJump => (
                 "turn-jump",
-                "a joint jumps by whole turns, which `unwrap` takes out; the value is how often",
+                "a joint jumps by whole turns, which learning takes out; the value is how often",
             ),
             Self::FastJump => (
                 "fast-jump",

@@ -17,8 +17,12 @@ const FEWEST_CYCLES: f64 = 2.8;
 /// Harmonics of a cycle explain less than this of a motion that has no rhythm.
 const LEAST_EXPLAINED: f64 = 0.4;
 /// Its frequency is looked for in the first minute \[s\]: later a rhythm is out of step with its start, and its phase,
-/// which is followed to the end, says what the frequency is.
+/// which is followed to the end, says what the frequency is. So is what the cycles leave, of which a minute tells enough.
 const LONGEST: f64 = 60.0;
+/// Where less than this is unexplained the tempo is right.
+const MUCH: f64 = 0.1;
+/// By this factor. With half the frequency a fit has odd harmonics of it to follow noise with, which takes less than this.
+const CLEARLY: f64 = 0.75;
 
 /// A fit whose levels are not known yet, with what they follow from.
 pub(super) struct MeanCycle {
@@ -33,13 +37,16 @@ impl MeanCycle {
         Self::near(recording, recording.tempo(), harmonics)
     }
 
-    /// The same about half of its tempo, if that leaves half as much or less of the motion unexplained: where a joint moves twice a cycle and farther than the others do, its
+    /// The same about half of its tempo, if much of the motion is unexplained and that leaves clearly less: where a joint moves twice a cycle and farther than the others do, its
     /// movement has been taken for the cycle.
     pub(super) fn of_half_tempo(&self, recording: &Recording) -> Option<Self> {
         let harmonics = self.fit.wave.harmonics();
-        let half = Self::near(recording, 0.5 * self.fit.frequency(), harmonics).ok()?;
         let left = |one: &Self| 1.0 - one.fit.explained;
-        (left(&half) <= 0.5 * left(self)).then_some(half)
+        if left(self) < MUCH {
+            return None;
+        }
+        let half = Self::near(recording, 0.5 * self.fit.frequency(), harmonics).ok()?;
+        (left(&half) <= CLEARLY * left(self)).then_some(half)
     }
 
     fn near(recording: &Recording, tempo: f64, harmonics: usize) -> Result<Self> {
@@ -86,19 +93,29 @@ impl MeanCycle {
             .collect();
         let swell = between(&windows, &gains, &cycles);
         let lively = steady::fit(times, positions, &along, &swell, harmonics)?;
-        let best = rigid.explained.max(lively.explained);
-        if best < LEAST_EXPLAINED {
-            return Err(no_rhythm(frequency, best));
+        let steady_share = rigid.explained;
+        // Where the jitter of the dominant joint is not that of the others, following it explains less.
+        let best = if lively.explained < rigid.explained {
+            rigid
+        } else {
+            lively
+        };
+        if best.explained < LEAST_EXPLAINED {
+            return Err(no_rhythm(frequency, best.explained));
         }
         let logarithms: Vec<f64> = gains
             .iter()
             .map(|g| g.max(f64::MIN_POSITIVE).ln())
             .collect();
+        let seen = times.partition_point(|t| *t <= times[0] + LONGEST);
         let left = Left {
-            cycles: &times.iter().map(|t| t * frequency).collect::<Vec<f64>>(),
-            positions: &lively.left,
-            fitted: &lively.fitted,
-            size: lively.weights.norm(),
+            cycles: &times[..seen]
+                .iter()
+                .map(|t| t * frequency)
+                .collect::<Vec<f64>>(),
+            positions: best.left.rows(0, seen),
+            fitted: best.fitted.rows(0, seen),
+            size: best.weights.norm(),
         };
         Ok(Self {
             residual: Bands::of(&left, (harmonics + 1) as f64),
@@ -109,11 +126,11 @@ impl MeanCycle {
                 wave: Wave::new(
                     recording.joints.clone(),
                     1.0 / frequency,
-                    lively.offsets,
-                    lively.weights,
+                    best.offsets,
+                    best.weights,
                 )?,
-                explained: rigid.explained,
-                explained_with_jitter: lively.explained,
+                explained: steady_share,
+                explained_with_jitter: best.explained,
                 cycles: span * frequency,
                 amplitude_jitter: 0.0,
                 tempo_jitter: 0.0,

@@ -16,6 +16,8 @@ const NORMAL: f64 = 1.4826;
 /// \[rad\] of posture.
 const LEAST_FREQUENCY: f64 = 1.25;
 const LEAST_SIZE: f64 = 1.8;
+/// However the others vary, a frequency farther off than this factor is odd: it may be twice the tempo, or half.
+const MOST_FREQUENCY: f64 = 1.75;
 const LEAST_POSTURE: f64 = 0.35;
 
 impl Inspection {
@@ -30,18 +32,20 @@ impl Inspection {
             .map(Self::of)
             .collect::<Result<Vec<_>>>()?;
         let frequency = |r: &Rhythm| r.variation.frequency.ln();
-        mark(&mut inspections, frequency, LEAST_FREQUENCY.ln(), |x| {
+        let near = (LEAST_FREQUENCY.ln(), MOST_FREQUENCY.ln());
+        mark(&mut inspections, frequency, near, |x| {
             (Flag::OddFrequency, None, x.exp())
         });
         let size = |r: &Rhythm| r.swing().ln();
-        mark(&mut inspections, size, LEAST_SIZE.ln(), |x| {
+        let near = (LEAST_SIZE.ln(), f64::INFINITY);
+        mark(&mut inspections, size, near, |x| {
             (Flag::OddSize, None, x.exp())
         });
         for (d, joint) in joints.iter().enumerate() {
             mark(
                 &mut inspections,
                 |r| r.posture[d],
-                LEAST_POSTURE,
+                (LEAST_POSTURE, f64::INFINITY),
                 |x| (Flag::OddPosture, Some(joint.clone()), x),
             );
         }
@@ -56,11 +60,11 @@ impl Rhythm {
     }
 }
 
-/// Marks those of which a value is far from the median.
+/// Marks those of which a value is far from the median: by the spread of the others, but not where it is nearer than the first number of `near`, and always beyond the second.
 fn mark(
     inspections: &mut [Inspection],
     value: impl Fn(&Rhythm) -> f64,
-    least: f64,
+    near: (f64, f64),
     finding: impl Fn(f64) -> (Flag, Option<String>, f64),
 ) {
     let values: Vec<f64> = inspections
@@ -72,7 +76,7 @@ fn mark(
     }
     let middle = median(values.clone());
     let spread = median(values.iter().map(|x| (x - middle).abs()).collect());
-    let most = (FAR * NORMAL * spread).max(least);
+    let most = (FAR * NORMAL * spread).clamp(near.0, near.1);
     for inspection in inspections {
         let Some(far) = inspection.rhythm.as_ref().map(|r| value(r) - middle) else {
             continue;

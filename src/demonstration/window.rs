@@ -130,7 +130,8 @@ fn best_period(candidates: &[Candidate]) -> f64 {
             .iter()
             .filter(|c| c.refusal(period, FEWEST_CYCLES).is_none())
             .count();
-        kept as f64 * period
+        // Of one recording nothing can be learned.
+        if kept < 2 { 0.0 } else { kept as f64 * period }
     };
     let mut spans: Vec<f64> = candidates.iter().map(|c| c.recording.span()).collect();
     spans.sort_by(f64::total_cmp);

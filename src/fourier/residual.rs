@@ -2,13 +2,17 @@
 
 use nalgebra::DMatrix;
 
-use super::Wave;
+use super::{MOST_CYCLE_HARMONICS, Wave};
 use crate::error::{Error, ErrorKind, Result};
 
-/// Bands an octave.
+/// Bands an octave where it is slow.
 const BANDS: f64 = 3.0;
-/// Bands below and above one cycle a cycle, at most: from a thousandth to a thousand times its frequency.
-const FARTHEST: i32 = 30;
+/// Where it is no longer slow \[cycles a cycle\], bands are half a cycle a cycle wide: about a harmonic, between two, about the next.
+const SLOW: f64 = 0.75;
+const WIDTH: f64 = 0.5;
+/// The lowest band there may be, ten octaves down, and the first that may not, beyond the highest harmonic.
+const LOWEST: i32 = -30;
+const BEYOND: i32 = 2 * MOST_CYCLE_HARMONICS as i32 + 1;
 /// No factor is larger: ten times what a wave itself is would be no residual of it, and this is a thousand.
 const LARGEST: f64 = 1e3;
 /// A pivot below this share of its diagonal is one of rounding.
@@ -18,37 +22,40 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// Of a motion of frequency f whose steady cycle has weights w_{d,h} it is relative to the size s = sqrt(sum |w_{d,h}|^2), for
 /// the noise of a movement grows with the movement (Harris and Wolpert, "Signal-dependent noise determines motor planning",
-/// Nature 394, 1998). With frequency nu counted in cycles a cycle and r(u) the residual at u cycles,
+/// Nature 394, 1998), though no farther than it was demonstrated. With frequency nu counted in cycles a cycle and r(u) the residual at u cycles,
 ///
 /// ```text
 /// E r_d(u) r_e(u + v) = s^2 int_0^inf S_de(nu) cos(2 pi nu v) d nu
 /// ```
 ///
-/// S is a cospectrum: joints go together or against each other, none behind another. It is constant in third octaves, and zero
-/// below and above them: what is slower than a recording shows as its offsets, which are learned as posture.
+/// S is a cospectrum: joints go together or against each other, none behind another. It is constant in bands: third octaves up to 3/4 of the cycle's frequency, and then from
+/// 3/4 to 5/4 about the first harmonic, from 5/4 to 7/4 between it and the second, and so on, for what joints do on their own lies beside the harmonics. Below and above them it is zero: what is
+/// slower than a recording shows as its offsets, which are learned as posture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleResidual {
     joints: usize,
-    /// The lowest band: number b is from 2^(b/3) to 2^((b+1)/3) cycles a cycle.
+    /// The number of the lowest band; number 0 begins at 3/4 cycles a cycle.
     lowest: i32,
     /// L of each band (D x D, lower triangular), S = L L^T.
     factors: Vec<DMatrix<f64>>,
+    /// The largest s that was demonstrated \[rad\].
+    largest: f64,
 }
 
 impl CycleResidual {
-    /// Of the factors L of third octaves (D x D, S = L L^T), of which the first is number `lowest`, from 2^(lowest/3) cycles a cycle.
+    /// Of the factors L of bands (D x D, S = L L^T), of which the first is number `lowest`; number 0 is the one about the first harmonic. Waves of a size s beyond `largest` \[rad\] have the residual of that size.
     ///
     /// # Errors
-    /// When there is no band, one is farther than ten octaves from the cycle's frequency, the factors are not square and alike, or one has numbers above its diagonal,
-    /// or such that are not finite or beyond a thousand.
-    pub fn new(lowest: i32, factors: Vec<DMatrix<f64>>) -> Result<Self> {
-        let most = (FARTHEST - lowest.clamp(-FARTHEST, FARTHEST)) as usize;
-        if lowest < -FARTHEST || factors.is_empty() || factors.len() > most {
+    /// When there is no band, one is more than ten octaves below the first harmonic or beyond the fiftieth, the factors are not square and alike, or one has numbers above its diagonal,
+    /// or such that are not finite or beyond a thousand, or the size is negative or not a number.
+    pub fn new(lowest: i32, factors: Vec<DMatrix<f64>>, largest: f64) -> Result<Self> {
+        let most = (BEYOND - lowest.clamp(LOWEST, BEYOND)) as usize;
+        if lowest < LOWEST || factors.is_empty() || factors.len() > most {
             return Err(Error::new(
                 ErrorKind::Shape,
                 format!("a residual of {} bands from {lowest} on", factors.len()),
             )
-            .expected(format!("third octaves from {} to {FARTHEST}", -FARTHEST)));
+            .expected(format!("bands from {LOWEST} on, below {BEYOND}")));
         }
         let joints = factors[0].nrows();
         for factor in &factors {
@@ -74,10 +81,17 @@ impl CycleResidual {
                 .expected(format!("at most {LARGEST}")));
             }
         }
+        if largest.is_nan() || largest < 0.0 {
+            return Err(
+                Error::new(ErrorKind::Value, format!("a largest wave of {largest} rad"))
+                    .expected("0 or more"),
+            );
+        }
         Ok(Self {
             joints,
             lowest,
             factors,
+            largest,
         })
     }
 
@@ -85,8 +99,8 @@ impl CycleResidual {
     ///
     /// # Errors
     /// Those of [`new`](Self::new).
-    pub fn of_cospectra(lowest: i32, cospectra: &[DMatrix<f64>]) -> Result<Self> {
-        Self::new(lowest, cospectra.iter().map(root).collect())
+    pub fn of_cospectra(lowest: i32, cospectra: &[DMatrix<f64>], largest: f64) -> Result<Self> {
+        Self::new(lowest, cospectra.iter().map(root).collect(), largest)
     }
 
     /// D.
@@ -104,14 +118,33 @@ impl CycleResidual {
         &self.factors
     }
 
-    /// The band of a frequency \[cycles a cycle\].
-    pub fn band(nu: f64) -> i32 {
-        (BANDS * libm::log2(nu)).floor() as i32
+    /// The largest s that was demonstrated \[rad\].
+    pub fn largest(&self) -> f64 {
+        self.largest
     }
 
-    /// Where band `b` begins \[cycles a cycle\].
-    fn edge(b: i32) -> f64 {
-        libm::exp2(f64::from(b) / BANDS)
+    /// The band of a frequency \[cycles a cycle\].
+    pub fn band(nu: f64) -> i32 {
+        let place = if nu < SLOW {
+            BANDS * libm::log2(nu / SLOW)
+        } else {
+            (nu - SLOW) / WIDTH
+        };
+        place.floor() as i32
+    }
+
+    /// Where a band begins \[cycles a cycle\].
+    pub fn edge(band: i32) -> f64 {
+        if band < 0 {
+            SLOW * libm::exp2(f64::from(band) / BANDS)
+        } else {
+            SLOW + WIDTH * f64::from(band)
+        }
+    }
+
+    /// Where the lowest band begins that there may be \[cycles a cycle\].
+    pub fn slowest() -> f64 {
+        Self::edge(LOWEST)
     }
 
     fn factor(&self, nu: f64) -> Option<&DMatrix<f64>> {
@@ -161,7 +194,7 @@ impl CycleResidual {
                 self.latent(harmonics)
             )));
         }
-        let scale = size / (4.0 * cycles as f64).sqrt();
+        let scale = size.min(self.largest) / (4.0 * cycles as f64).sqrt();
         let mut weights = wave.weights().clone();
         for (h, (mut column, normals)) in weights
             .column_iter_mut()
@@ -215,14 +248,14 @@ mod tests {
     use num_complex::Complex;
     use std::f64::consts::TAU;
 
-    /// From 0.63 to 1.26 cycles a cycle; joints against each other in the lowest band, in step in the next, one still in the last.
+    /// From 0.47 to 1.25 cycles a cycle; joints against each other in the lowest band, in step in the next, one still in the last.
     fn residual() -> CycleResidual {
         let cospectra = [
             dmatrix![0.04, -0.03; -0.03, 0.09],
             dmatrix![0.01, 0.01; 0.01, 0.01],
             dmatrix![0.0, 0.0; 0.0, 0.02],
         ];
-        CycleResidual::of_cospectra(-2, &cospectra).unwrap()
+        CycleResidual::of_cospectra(-2, &cospectra, 0.7).unwrap()
     }
 
     fn still(cycles: usize) -> Wave {
@@ -260,6 +293,14 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_wave_beyond_what_was_demonstrated_has_no_larger_residual() {
+        let residual = residual();
+        let normals = vec![0.5; residual.latent(7)];
+        let [largest, beyond] = [0.7, 70.0].map(|s| residual.onto(&still(4), 4, s, &normals));
+        assert_eq!(largest.unwrap(), beyond.unwrap());
+    }
+
     /// With many cycles the sum over harmonics is the integral.
     #[test]
     fn the_share_is_what_is_drawn_over_the_cycle() {
@@ -276,11 +317,17 @@ mod tests {
     fn a_spectrum_is_flat_in_its_bands_and_none_beside_them() {
         let residual = residual();
         let near = |a: DMatrix<f64>, b: DMatrix<f64>| assert!((a - b).amax() < 1e-15);
-        near(residual.cospectrum(0.6), DMatrix::zeros(2, 2));
-        near(residual.cospectrum(0.7), dmatrix![0.04, -0.03; -0.03, 0.09]);
-        near(residual.cospectrum(0.9), dmatrix![0.01, 0.01; 0.01, 0.01]);
+        near(residual.cospectrum(0.47), DMatrix::zeros(2, 2));
+        near(residual.cospectrum(0.5), dmatrix![0.04, -0.03; -0.03, 0.09]);
+        near(residual.cospectrum(0.7), dmatrix![0.01, 0.01; 0.01, 0.01]);
         near(residual.cospectrum(1.2), dmatrix![0.0, 0.0; 0.0, 0.02]);
         near(residual.cospectrum(1.3), DMatrix::zeros(2, 2));
+        // Bands follow each other, and a frequency lies in its own.
+        for band in LOWEST..BEYOND {
+            let (from, to) = (CycleResidual::edge(band), CycleResidual::edge(band + 1));
+            assert!(from < to);
+            assert_eq!(CycleResidual::band(0.5 * (from + to)), band);
+        }
     }
 
     #[test]
@@ -289,7 +336,7 @@ mod tests {
         for (lowest, factors) in [
             (0, vec![]),
             (-31, vec![one()]),
-            (29, vec![one(), one()]),
+            (BEYOND - 1, vec![one(), one()]),
             (i32::MIN, vec![one()]),
             (i32::MAX, vec![one()]),
             (0, vec![one(), DMatrix::identity(3, 3)]),
@@ -298,7 +345,13 @@ mod tests {
             (0, vec![one() * f64::NAN]),
             (0, vec![one() * 1e4]),
         ] {
-            assert!(CycleResidual::new(lowest, factors).is_err(), "{lowest}");
+            assert!(
+                CycleResidual::new(lowest, factors, 1.0).is_err(),
+                "{lowest}"
+            );
+        }
+        for largest in [f64::NAN, -1.0] {
+            assert!(CycleResidual::new(0, vec![one()], largest).is_err());
         }
         let residual = residual();
         let short = vec![0.0; residual.latent(7) - 1];

@@ -49,11 +49,12 @@ pub(super) struct CyclesEntry {
     pub residual: Option<ResidualEntry>,
 }
 
-/// What drawn waves have besides their cycles: the number of the lowest third octave, and of each the columns of L.
+/// What drawn waves have besides their cycles: the number of the lowest band, and of each the columns of L.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ResidualEntry {
-    pub lowest_third_octave: i32,
+    pub lowest_band: i32,
+    pub largest_size_rad: f64,
     pub factors: Vec<Vec<Vec<f64>>>,
 }
 

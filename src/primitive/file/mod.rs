@@ -50,7 +50,8 @@ impl FourierMovementPrimitive {
                 amplitude_correlation: cycles.amplitude().coefficient(),
                 tempo_correlation: cycles.tempo().coefficient(),
                 residual: cycles.residual().map(|residual| ResidualEntry {
-                    lowest_third_octave: residual.lowest(),
+                    lowest_band: residual.lowest(),
+                    largest_size_rad: residual.largest(),
                     factors: residual.factors().iter().map(&columns).collect(),
                 }),
             }),
@@ -263,7 +264,11 @@ fn residual(entry: &ResidualEntry, joints: usize) -> Result<CycleResidual> {
         }
         Ok(DMatrix::from_fn(joints, joints, |i, j| columns[j][i]))
     });
-    CycleResidual::new(entry.lowest_third_octave, factors.collect::<Result<_>>()?)
+    CycleResidual::new(
+        entry.lowest_band,
+        factors.collect::<Result<_>>()?,
+        entry.largest_size_rad,
+    )
 }
 
 fn factor(columns: &[Vec<f64>], n: usize) -> Result<DMatrix<f64>> {
