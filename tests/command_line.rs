@@ -268,6 +268,36 @@ fn every_verb_has_help_with_an_example() {
     }
 }
 
+/// A joint that is written a turn off for a while is learned as if it were not.
+#[test]
+fn jumps_of_whole_turns_are_taken_out_before_anything_is_learned() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let frequencies = [0.0, std::f64::consts::TAU].map(|jump| {
+        for m in 0..3 {
+            let row = |n: u32| {
+                let t = f64::from(n) / 50.0;
+                let wave = (0.3 + 0.02 * f64::from(m)) * ((9.0 + f64::from(m)) * t).sin();
+                let turn = if (100..150).contains(&n) { jump } else { 0.0 };
+                format!("{t},{}\n", wave + turn)
+            };
+            let rows: String = (0..250).map(row).collect();
+            let name = at.join(format!("takes/{m}.csv"));
+            std::fs::create_dir_all(at.join("takes")).unwrap();
+            std::fs::write(name, format!("time_s,elbow\n{rows}")).unwrap();
+        }
+        let report = json(at, &["learn", "takes", "--period", "cycle", "-k", "1"]);
+        let fits = report["demonstrations"].as_array().unwrap().clone();
+        let told = fits.iter().map(|fit| fit["frequency_hz"].as_f64().unwrap());
+        told.collect::<Vec<f64>>()
+    });
+    let [whole, jumping] = &frequencies;
+    assert_eq!((whole.len(), jumping.len()), (3, 3));
+    for (a, b) in whole.iter().zip(jumping) {
+        assert!((a - b).abs() < 1e-9, "{frequencies:?}");
+    }
+}
+
 #[test]
 fn a_recording_that_cannot_be_read_does_not_hide_the_others() {
     let folder = tempfile::tempdir().unwrap();

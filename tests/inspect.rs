@@ -386,6 +386,23 @@ fn the_odd_one_of_a_set_is_named() {
     }
 }
 
+/// From 1.5 to 3 Hz they are too unlike for the spread alone to tell 4.5 Hz from them.
+#[test]
+fn twice_the_usual_frequency_is_odd_however_the_others_vary() {
+    let mut recordings = synthetic(0).unwrap().recordings().to_vec();
+    let last = recordings.pop().unwrap();
+    let times = last.times().iter().map(|t| t / 1.5).collect();
+    let positions = last.positions().clone();
+    recordings.push(Recording::new("fast", last.joints().clone(), times, positions).unwrap());
+    for inspection in Inspection::of_set(&recordings).unwrap() {
+        let is_odd = inspection
+            .findings
+            .iter()
+            .any(|f| f.flag == Flag::OddFrequency);
+        assert_eq!(is_odd, inspection.name == "fast", "{}", inspection.name);
+    }
+}
+
 #[test]
 fn recordings_that_are_hardly_any_are_looked_at_without_a_panic() {
     let recording = |times: Vec<f64>| {

@@ -183,6 +183,13 @@ mod tests {
     }
 
     #[test]
+    fn one_long_recording_is_not_the_only_one_that_is_kept() {
+        let all = [100.0, 4.0, 4.2].map(|span| sine(&format!("{span} s"), 2.0, span));
+        let (period, kept, _) = cut(all.to_vec(), Duration::Auto).unwrap();
+        assert_eq!((period, kept.len()), (4.0, 3));
+    }
+
+    #[test]
     fn one_short_recording_does_not_shorten_all() {
         let mut recordings: Vec<_> = [5.0, 5.2, 5.4, 6.0]
             .iter()

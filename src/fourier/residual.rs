@@ -31,6 +31,19 @@ const ROUNDING: f64 = 1e-12;
 /// S is a cospectrum: joints go together or against each other, none behind another. It is constant in bands: third octaves up to 3/4 of the cycle's frequency, and then from
 /// 3/4 to 5/4 about the first harmonic, from 5/4 to 7/4 between it and the second, and so on, for what joints do on their own lies beside the harmonics. Below and above them it is zero: what is
 /// slower than a recording shows as its offsets, which are learned as posture.
+///
+/// ```
+/// use undulate::{CycleFits, FourierMovementPrimitive, LearnOptions, synthetic};
+///
+/// let fits = CycleFits::new(synthetic(0)?.recordings(), 4)?;
+/// // Half a cycle a cycle, where posture sways.
+/// let slow = fits.residual().cospectrum(0.5).trace();
+/// assert!(slow > 0.0 && fits.residual().share() < 0.2);
+/// let options = LearnOptions { residual: true, ..LearnOptions::default() };
+/// let primitive = FourierMovementPrimitive::from_cycles(&fits, 10, &options)?;
+/// assert_eq!(primitive.chart().cycles().and_then(|c| c.residual()), Some(fits.residual()));
+/// # Ok::<(), undulate::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CycleResidual {
     joints: usize,
@@ -171,7 +184,7 @@ impl CycleResidual {
     }
 
     /// How many standard normal numbers make the residual of a wave with `harmonics` harmonics.
-    pub(crate) fn latent(&self, harmonics: usize) -> usize {
+    pub fn latent(&self, harmonics: usize) -> usize {
         2 * self.joints * harmonics
     }
 
