@@ -107,7 +107,7 @@ impl MeanCycle {
             .iter()
             .map(|g| g.max(f64::MIN_POSITIVE).ln())
             .collect();
-        let seen = times.partition_point(|t| *t <= times[0] + LONGEST);
+        let seen = times.partition_point(|t| *t <= times[0] + LONGEST).max(2);
         let left = Left {
             cycles: &times[..seen]
                 .iter()

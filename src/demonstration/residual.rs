@@ -25,6 +25,8 @@ use crate::fourier::CycleResidual;
 const MOST_STEPS: f64 = 2.0;
 /// Of a tone of which less than this is left after the fit, nothing is said.
 const LEAST_LEFT: f64 = 0.1;
+/// Beyond so many cycles a cycle nothing is looked for: no residual of a gesture is as fast.
+const HIGHEST: f64 = 11.0;
 /// Samples of a period of the highest tone, at least.
 const FEWEST_SAMPLES: f64 = 2.5;
 
@@ -59,7 +61,8 @@ impl Bands {
     pub(super) fn of(left: &Left, highest: f64) -> Self {
         let samples = left.cycles.len();
         let span = left.cycles[samples - 1] - left.cycles[0];
-        let highest = highest.min((samples - 1) as f64 / (FEWEST_SAMPLES * span));
+        let seen = (samples - 1) as f64 / (FEWEST_SAMPLES * span);
+        let highest = highest.min(HIGHEST).min(seen);
         let lowest = (CycleResidual::slowest() * span).ceil().max(1.0) as usize;
         let tones = (highest * span).floor() as usize;
         let mut bands: Vec<(i32, Vec<f64>)> = Vec::new();
@@ -73,16 +76,13 @@ impl Bands {
         let window = Window::of(left.cycles, span);
         let scale = 1.0 / (window.gain * left.size.powi(2));
         let band = |(number, tones): (i32, Vec<f64>)| {
-            let seen = tones.into_iter().filter_map(|nu| window.tone(left, nu));
-            seen.fold(None, |sum: Option<Band>, (power, gain)| {
-                let before = sum.map_or((DMatrix::zeros(power.nrows(), power.ncols()), 0.0), |b| {
-                    (b.power, b.gain)
-                });
-                Some(Band {
-                    number,
-                    power: before.0 + power * scale,
-                    gain: before.1 + gain,
-                })
+            let tones = tones.into_iter().filter_map(|nu| window.tone(left, nu));
+            let (powers, gains): (Vec<_>, Vec<_>) = tones.unzip();
+            let power = powers.into_iter().reduce(|sum, power| sum + power)?;
+            Some(Band {
+                number,
+                power: power * scale,
+                gain: gains.iter().sum(),
             })
         };
         Self(bands.into_iter().filter_map(band).collect())
