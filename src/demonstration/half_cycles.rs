@@ -146,8 +146,8 @@ pub(super) fn regular(
     (!best.is_empty()).then_some(best.start..best.end + 2)
 }
 
-/// Twice the coefficient of variation of the cycles' lengths, that of their heights, and the median of their drifts: about the direction in which noise is told from what
-/// people do with least error (Fisher 1936).
+/// Twice the coefficient of variation of the cycles' lengths, that of their heights, and the median of their drifts: nearly the direction that tells noise from what
+/// people do (Fisher 1936).
 pub(super) fn irregularity(cycles: &[Cycle]) -> f64 {
     let variation = |of: fn(&Cycle) -> f64| {
         let count = cycles.len() as f64;
