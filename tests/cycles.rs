@@ -150,6 +150,39 @@ fn a_residual_comes_over_the_same_cycles_and_grows_with_them() {
     assert!(sizes[1] < 0.8 * sizes[0], "{sizes:?}");
 }
 
+/// What a file says of its residual is looked at before anything is drawn.
+#[test]
+fn a_residual_that_a_file_cannot_mean_is_refused() {
+    let fits = CycleFits::new(synthetic(0).unwrap().recordings(), 2).unwrap();
+    let options = LearnOptions {
+        residual: true,
+        ..LearnOptions::default()
+    };
+    let primitive = FourierMovementPrimitive::from_cycles(&fits, 3, &options).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&primitive.to_json()).unwrap();
+    let with = |key: &str, value: serde_json::Value| {
+        let mut file = file.clone();
+        file["cycles"]["residual"][key] = value;
+        FourierMovementPrimitive::from_json(&file.to_string())
+    };
+    let factor = file["cycles"]["residual"]["factors"][0].clone();
+    assert!(with("largest_size_rad", 0.5.into()).is_ok());
+    for (key, value) in [
+        ("lowest_band", (-31).into()),
+        ("lowest_band", i32::MAX.into()),
+        ("lowest_band", 0.5.into()),
+        ("largest_size_rad", (-1.0).into()),
+        ("largest_size_rad", serde_json::Value::Null),
+        ("factors", serde_json::json!([])),
+        ("factors", serde_json::json!([[]])),
+        ("factors", serde_json::json!([[[1.0]]])),
+        ("factors", vec![factor; 200].into()),
+        ("more", 1.into()),
+    ] {
+        assert!(with(key, value.clone()).is_err(), "{key} {value}");
+    }
+}
+
 /// Medians of the drawn waves over those of the demonstrations: envelope and tempo variation of the common period, the steady cycle, the cycle.
 fn ratios(report: &serde_json::Value) -> Vec<[f64; 2]> {
     let number = |model: usize, key: &str| report[model][key].as_f64().unwrap();

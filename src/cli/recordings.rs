@@ -173,7 +173,7 @@ impl Recordings {
     }
 
     /// As they were recorded.
-    pub fn recorded(&self) -> Result<Vec<Recording>> {
+    fn recorded(&self) -> Result<Vec<Recording>> {
         self.read()?.into_iter().collect()
     }
 
@@ -246,8 +246,7 @@ impl Recordings {
         let bar = output::progress(files.len() as u64, "reading recordings");
         let mut recordings = Vec::new();
         for file in &files {
-            let recording = Recording::open(file, &options);
-            recordings.push(recording);
+            recordings.push(Recording::open(file, &options));
             bar.inc(1);
         }
         bar.finish_and_clear();

@@ -136,14 +136,16 @@ impl CycleResidual {
         self.largest
     }
 
-    /// The band of a frequency \[cycles a cycle\].
+    /// The band of a frequency \[cycles a cycle\]; of 0 and of what is no number one that nothing has.
     pub fn band(nu: f64) -> i32 {
-        let place = if nu < SLOW {
-            BANDS * libm::log2(nu / SLOW)
+        let nu = nu.abs();
+        if nu < SLOW {
+            (BANDS * libm::log2(nu / SLOW)).floor() as i32
+        } else if nu >= SLOW {
+            ((nu - SLOW) / WIDTH) as i32
         } else {
-            (nu - SLOW) / WIDTH
-        };
-        place.floor() as i32
+            i32::MAX
+        }
     }
 
     /// Where a band begins \[cycles a cycle\].
@@ -161,8 +163,8 @@ impl CycleResidual {
     }
 
     fn factor(&self, nu: f64) -> Option<&DMatrix<f64>> {
-        let band = usize::try_from(Self::band(nu) - self.lowest).ok()?;
-        self.factors.get(band)
+        let band = Self::band(nu).checked_sub(self.lowest)?;
+        self.factors.get(usize::try_from(band).ok()?)
     }
 
     /// S at a frequency \[cycles a cycle\] (D x D).
@@ -193,16 +195,19 @@ impl CycleResidual {
     /// covariance is the one stated but for the wrap and the steps of 1/C.
     ///
     /// # Errors
-    /// When the wave has other joints, the numbers are not as many, or a weight is too large.
+    /// When there is no cycle, the wave has other joints, the numbers are not as many, or a weight is too large.
     pub fn onto(&self, wave: &Wave, cycles: usize, size: f64, normals: &[f64]) -> Result<Wave> {
         let (joints, harmonics) = wave.weights().shape();
-        if joints != self.joints || normals.len() != self.latent(harmonics) {
+        if cycles == 0 || joints != self.joints || normals.len() != self.latent(harmonics) {
             return Err(Error::new(
                 ErrorKind::Shape,
-                format!("{joints} joints, {} normal numbers", normals.len()),
+                format!(
+                    "{cycles} cycles, {joints} joints, {} normal numbers",
+                    normals.len()
+                ),
             )
             .expected(format!(
-                "{} joints, {}",
+                "at least one cycle, {} joints, {}",
                 self.joints,
                 self.latent(harmonics)
             )));
@@ -335,6 +340,18 @@ mod tests {
         near(residual.cospectrum(0.7), dmatrix![0.01, 0.01; 0.01, 0.01]);
         near(residual.cospectrum(1.2), dmatrix![0.0, 0.0; 0.0, 0.02]);
         near(residual.cospectrum(1.3), DMatrix::zeros(2, 2));
+        for odd in [0.0, f64::INFINITY, f64::NAN, 1e-300, 1e300] {
+            for lowest in [LOWEST, 0, 5] {
+                let one = CycleResidual::new(lowest, vec![DMatrix::identity(1, 1)], 1.0).unwrap();
+                assert_eq!(one.cospectrum(odd)[(0, 0)], 0.0, "{odd} {lowest}");
+            }
+        }
+        near(residual.cospectrum(-0.5), residual.cospectrum(0.5));
+        assert!(
+            residual
+                .onto(&still(4), 0, 1.0, &vec![0.1; residual.latent(7)])
+                .is_err()
+        );
         // Bands follow each other, and a frequency lies in its own.
         for band in LOWEST..BEYOND {
             let (from, to) = (CycleResidual::edge(band), CycleResidual::edge(band + 1));

@@ -1,16 +1,16 @@
 //! Uncut recordings: the rhythmic part is found, what may spoil it is named, and where there is no rhythm it is said.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod noise;
+mod windows;
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
 
 use rand::distr::Distribution;
 use rand_distr::StandardNormal;
 use undulate::nalgebra::DMatrix;
-use undulate::{
-    CsvOptions, Flag, Inspection, Joints, Recording, RhythmicPart, Variation, stream, synthetic,
-};
+use undulate::{Flag, Inspection, Joints, Recording, RhythmicPart, Variation, stream, synthetic};
 
 /// Samples a second.
 const RATE: f64 = 60.0;
@@ -169,60 +169,6 @@ fn no_rhythm_and_one_cycle_are_called_so() {
         (2.0..2.0 + 1.0 / FREQUENCY).contains(&t)
     });
     assert!(codes(&window).contains(&"few-cycles"));
-}
-
-/// White noise, and the same through two low passes of 1 to 4 Hz; seed 12, 75 recordings of each. 36 are; without the bound on irregularity nearly all were.
-#[test]
-fn noise_is_seldom_taken_for_a_rhythm() {
-    let mut rng = stream(12, 0);
-    let times: Vec<f64> = (0..600).map(|n| f64::from(n) / RATE).collect();
-    let mut found = 0;
-    for keeps in [0.0, 1.0, 2.0, 4.0].map(|cut: f64| (-TAU * cut / RATE).exp() % 1.0) {
-        for _ in 0..75 {
-            let mut passed = [[0.0; 2]; 3];
-            let mut rows = Vec::new();
-            for _ in &times {
-                for [first, second] in &mut passed {
-                    let white: f64 = StandardNormal.sample(&mut rng);
-                    *first = keeps * *first + (1.0 - keeps) * white;
-                    *second = keeps * *second + (1.0 - keeps) * *first;
-                    rows.push(*second);
-                }
-            }
-            let positions = DMatrix::from_row_slice(times.len(), 3, &rows);
-            let noise = Recording::new("noise", joints(), times.clone(), positions).unwrap();
-            found += usize::from(!noise.rhythmic_parts().is_empty());
-        }
-    }
-    println!("taken for a rhythm: {found} of 300");
-    assert!(found <= 45, "{found}");
-}
-
-/// Smooth motion without a period: random targets a second apart on average, gone to smoothly. Seed 9, 100 motions of 12 s.
-#[test]
-fn motion_without_a_period_is_seldom_taken_for_a_rhythm() {
-    let mut rng = stream(9, 0);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-    let mut found = 0.0;
-    for _ in 0..100 {
-        let mut knots = vec![(0.0, [0.0; 3])];
-        while knots[knots.len() - 1].0 < 12.0 {
-            let t = knots[knots.len() - 1].0 + (0.7 * normal()).exp();
-            knots.push((t, [normal(), normal(), normal()]));
-        }
-        let times: Vec<f64> = (0..720).map(|n| f64::from(n) / RATE).collect();
-        let positions = DMatrix::from_fn(times.len(), 3, |n, d| {
-            let next = knots.partition_point(|k| k.0 <= times[n]);
-            let ((a, from), (b, to)) = (knots[next - 1], knots[next]);
-            let x = (times[n] - a) / (b - a);
-            from[d] + (to[d] - from[d]) * x * x * (3.0 - 2.0 * x)
-        });
-        let recording = Recording::new("random", joints(), times, positions).unwrap();
-        let parts = recording.rhythmic_parts();
-        found += parts.iter().map(RhythmicPart::duration).sum::<f64>();
-    }
-    println!("taken for a rhythm: {:.1} % of the time", found / 12.0);
-    assert!(found / 1200.0 < 0.1);
 }
 
 /// From after the seventh cycle of eight, to where the arm hangs again, and while it hangs.
@@ -438,126 +384,6 @@ fn codes_are_unique_and_explained() {
     assert_eq!(codes.len(), Flag::ALL.len());
 }
 
-/// A row of the index: a window of a source.
-struct Indexed {
-    file: String,
-    start: f64,
-    end: f64,
-    frequency: f64,
-}
-
-/// A wave as slow as this has half cycles near 0.6 s \[Hz\], and wherever one is longer the index ends its window, though the wave goes on.
-const SLOW: f64 = 1.1;
-
-fn index(shared: &Path) -> Vec<Indexed> {
-    let text = std::fs::read_to_string(shared.join("waves/motions_index.csv")).unwrap();
-    let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
-    let [file, start, duration, frequency] =
-        ["file", "t_start_s", "duration_s", "f0_hz"].map(column);
-    lines
-        .map(|line| {
-            let cells: Vec<&str> = line.split(',').collect();
-            let number = |i: usize| cells[i].parse::<f64>().unwrap();
-            Indexed {
-                file: cells[file].into(),
-                start: number(start),
-                end: number(start) + number(duration),
-                frequency: number(frequency),
-            }
-        })
-        .collect()
-}
-
-/// Files of whole motions, named as their windows are but for the end.
-fn uncut(shared: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut open = vec![shared.join("waves/motions")];
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.to_str().unwrap().ends_with(FULL) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    found
-}
-
-const FULL: &str = "_full.csv";
-
-fn opened(path: &Path) -> Recording {
-    Recording::open(path, &CsvOptions::default()).unwrap()
-}
-
-/// Thresholds were chosen on those of the windows whose names have an even sum of bytes; both arms of a take go together.
-fn is_chosen_on(name: &str) -> bool {
-    let take = name.replace("_L_", "_").replace("_R_", "_");
-    take.bytes().map(u64::from).sum::<u64>() % 2 == 0
-}
-
-#[test]
-fn parts_of_whole_motions_are_the_windows_that_people_chose() {
-    let Some(shared) = common::shared("real uncut recordings") else {
-        return;
-    };
-    let index = index(&shared);
-    let mut counts = [[0; 2]; 2];
-    let mut by_tempo = [[0; 2]; 2];
-    let mut covered = 0;
-    for file in uncut(&shared) {
-        let name = file.file_name().unwrap().to_str().unwrap();
-        let stem = name.trim_end_matches(FULL);
-        let parts = opened(&file).rhythmic_parts();
-        let found: Vec<String> = parts
-            .iter()
-            .map(|p| format!("{:.2}..{:.2}", p.start, p.end))
-            .collect();
-        let own = index.iter().filter(|row| {
-            let file = row.file.rsplit('/').next().unwrap();
-            file.starts_with(stem)
-        });
-        let mut windows = 0;
-        for row in own {
-            let best = parts
-                .iter()
-                .map(|p| overlap(p, row.start, row.end))
-                .fold(0.0, f64::max);
-            for [all, good] in [
-                &mut counts[usize::from(is_chosen_on(name))],
-                &mut by_tempo[usize::from(row.frequency > SLOW)],
-            ] {
-                *all += 1;
-                *good += usize::from(best >= 0.8);
-            }
-            windows += 1;
-            let within = |p: &RhythmicPart| p.end.min(row.end) - p.start.max(row.start);
-            let most = parts.iter().map(within).fold(0.0, f64::max);
-            covered += usize::from(most >= 0.9 * (row.end - row.start));
-            println!(
-                "{best:.2} {stem}: {:.2}..{:.2}, found {found:?}",
-                row.start, row.end
-            );
-        }
-        if windows == 0 {
-            println!("no window in {stem}, found {found:?}");
-        }
-    }
-    let [[others, good_others], [chosen, good_chosen]] = counts;
-    let (good, all) = (good_chosen + good_others, chosen + others);
-    println!("IoU of 0.8: {good_chosen} of {chosen} chosen on, {good_others} of {others} others");
-    let [[slow, good_slow], [fast, good_fast]] = by_tempo;
-    println!("above {SLOW} Hz: {good_fast} of {fast}, below: {good_slow} of {slow}");
-    println!("nine tenths of the window are in the part: {covered} of {all}");
-    assert!(10 * good_fast >= 9 * fast && 10 * covered >= 9 * all);
-    // Slow waves go on where the window ends; see `src/DESIGN.md`.
-    assert!(4 * good >= 3 * all);
-}
-
 #[test]
 fn what_is_a_rhythm_from_end_to_end_stays_as_it_is() {
     for seed in 0..3 {
@@ -570,38 +396,6 @@ fn what_is_a_rhythm_from_end_to_end_stays_as_it_is() {
             assert!(part.duration() > 0.9 * recording.span(), "{part:?}");
         }
     }
-}
-
-#[test]
-fn windows_are_whole_and_stay_as_they_are() {
-    let Some(shared) = common::shared("windows of real recordings") else {
-        return;
-    };
-    let (mut all, mut whole, mut none, mut cut) = (0, 0, Vec::new(), Vec::new());
-    for row in index(&shared) {
-        let folder = Path::new(&row.file).parent().unwrap();
-        let name = Path::new(&row.file).file_name().unwrap();
-        for file in [PathBuf::from(&row.file), folder.join("alt_zxy").join(name)] {
-            let path = shared.join("waves").join(&file);
-            if !path.is_file() {
-                continue;
-            }
-            let recording = opened(&path);
-            let parts = recording.rhythmic_parts();
-            let longest = parts.iter().map(RhythmicPart::duration).fold(0.0, f64::max);
-            all += 1;
-            whole += usize::from(longest >= 0.8 * recording.span());
-            if parts.is_empty() {
-                none.push(file.clone());
-            }
-            if recording.gestures() != std::slice::from_ref(&recording) {
-                cut.push(file);
-            }
-        }
-    }
-    println!("{whole} of {all} windows are whole; without a rhythm: {none:?}; cut: {cut:?}");
-    // Two are one exercise in both orders, as irregular as noise is.
-    assert!(none.len() <= 2 && whole + none.len() == all && cut.is_empty());
 }
 
 #[test]
