@@ -14,7 +14,7 @@ struct Indexed {
     frequency: f64,
 }
 
-/// A wave as slow as this has half cycles near 0.6 s \[Hz\], and wherever one is longer the index ends its window, though the wave goes on.
+/// A wave as slow as this has half cycles near 0.6 s \[Hz\]; the index has no longer ones, and ends its windows there though the wave goes on.
 const SLOW: f64 = 1.1;
 
 fn index(shared: &Path) -> Vec<Indexed> {
